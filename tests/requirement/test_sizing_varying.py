@@ -11,6 +11,7 @@ from tests.turns import usual
 from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
 from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirements
+from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, LimitedFlights, encountered_at_steps
 from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(0.01)
@@ -261,9 +262,36 @@ def test_before_a_moment_turns_a_stable_part_without_a_limited_law_requires_noth
     assert "at 63 s, parameters varying: " in " ".join(sizing.notes)
 
 
-ONE_CHANGE, TWO_CHANGES = (
+def limited_rates(v, knots, arms, time, angle):
+    """Return the report's rates of attitude, its rate and path, as f(t, x, limit), and mu_alpha(t).
+
+    Of the vehicle `v` with an arm over time, under the limited trim law in a wind.
+    """
+    mV, N, per_arm = (
+        v.weight / 9.80665 * v.velocity,
+        v.normal_force_slope,
+        1.0 / v.moment_of_inertia,
+    )
+    mu_delta, along = v.thrust * v.control_arm * per_arm, v.thrust - v.axial_force
+    c1 = (along - v.weight * np.sin(v.attitude) + N) / mV
+
+    def moment(t: float) -> float:
+        return float(N * per_arm * np.interp(t, knots, arms))
+
+    def rates(t: float, x: np.ndarray, limit: float) -> list[float]:
+        mu, alpha = moment(t), x[0] - x[2] - np.interp(t, time, angle)
+        back = 10.0 * abs(mu) * x[0] + 10.0 * np.sqrt(abs(mu)) * x[1]
+        delta = np.clip((mu * alpha + back) / mu_delta, -limit, limit)
+        gamma = (N + along) / mV * x[0] - c1 * x[2] + v.thrust / mV * delta
+        return [x[1], mu * alpha - mu_delta * delta, gamma - N / mV * np.interp(t, time, angle)]
+
+    return rates, moment, (mV, N, along, c1, mu_delta)
+
+
+ONE_CHANGE, TWO_CHANGES, LATE_CHANGE = (
     ([40.0, 90.0], [9.0, -3.0]),  # at 77.5 s
     ([40.0, 60.0, 62.0, 68.0, 70.0, 80.0], [9.0, 9.0, -6.0, -6.0, 6.0, 6.0]),  # at 61.2 and 69 s
+    ([40.0, 66.0, 67.0, 80.0], [9.0, 9.0, -12.0, -12.0]),  # at 66.4 s
 )
 
 
@@ -291,24 +319,7 @@ def test_where_a_moment_turns_the_limited_law_decides_through_all_of_a_flight(
     sizing = tv.size(schedule, wind, times=[time[1]], **options)
     required = sizing.required["K = 1, varying"][0, 0]
 
-    mV, N, per_arm = (
-        v.weight / 9.80665 * v.velocity,
-        v.normal_force_slope,
-        1.0 / v.moment_of_inertia,
-    )
-    mu_delta, along = v.thrust * v.control_arm * per_arm, v.thrust - v.axial_force
-    c1 = (along - v.weight * np.sin(v.attitude) + N) / mV
-
-    def moment(t: float) -> float:
-        return float(N * per_arm * np.interp(t, knots, arms))
-
-    def rates(t: float, x: np.ndarray, limit: float) -> list[float]:
-        mu, alpha = moment(t), x[0] - x[2] - np.interp(t, time, angle)
-        back = 10.0 * abs(mu) * x[0] + 10.0 * np.sqrt(abs(mu)) * x[1]
-        delta = np.clip((mu * alpha + back) / mu_delta, -limit, limit)
-        gamma = (N + along) / mV * x[0] - c1 * x[2] + v.thrust / mV * delta
-        return [x[1], mu * alpha - mu_delta * delta, gamma - N / mV * np.interp(t, time, angle)]
-
+    rates, moment, (mV, N, along, c1, mu_delta) = limited_rates(v, knots, arms, time, angle)
     mu = moment(stop)
     A = np.array([[0.0, 1.0, 0.0], [mu, 0.0, -mu], [(N + along) / mV, 0.0, -c1]])
     poles, rows = np.linalg.eig(A.T)
@@ -324,6 +335,31 @@ def test_where_a_moment_turns_the_limited_law_decides_through_all_of_a_flight(
         survived.append(abs(p @ state) <= limit * reach)
     assert survived == [False, True, True]
     assert sizing.required["minimum, varying"][0, 0] < required
+
+
+def test_a_flight_that_turns_back_from_beyond_linear_aerodynamics_does_not_survive(
+    configuration_i,
+) -> None:
+    """With a smaller limit the vehicle becomes stable at 34 deg of attitude, with the other at 26.
+
+    By an integration of the report's equations; linear ones turn it back from any attitude.
+    """
+    (knots, arms), time, angle = LATE_CHANGE, [56.0, 58.0, 60.0], [0.0, 0.08, 0.0]
+    schedule = tv.FlightSchedule(configuration_i.replace(time=knots, aerodynamic_arm=arms))
+    rates = limited_rates(configuration_i, knots, arms, time, angle)[0]
+    limits, attitudes = np.radians([0.1945, 0.2027]), []
+    for limit in limits:
+        state, largest = np.zeros(3), 0.0
+        for ends in pairwise([*time, 66.0, 67.0, 80.0]):
+            flight = solve_ivp(rates, ends, state, args=(limit,), rtol=1e-7, max_step=0.1)
+            state, largest = flight.y[:, -1], max(largest, np.abs(flight.y[0]).max())
+        attitudes.append(np.degrees(largest))
+    assert attitudes == pytest.approx([33.5, 26.4], abs=0.2)
+    mode = FlightMode(schedule, "drift-exact", "pitch", schedule.span)
+    wind = NominalWind(tv.SampledWind(time=time, angle=angle))
+    steps = encountered_at_steps(mode, wind, FLIGHT_SUBSTEPS)
+    flights = LimitedFlights(mode.at_steps(steps[0]), *steps).select(np.zeros(2, dtype=int))
+    assert flights.leave_linear_range(limits).tolist() == [True, False]
 
 
 def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_i) -> None:
