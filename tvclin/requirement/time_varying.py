@@ -493,8 +493,8 @@ class LimitedFlights:
         last = steps - calm if steps > calm else steps
         for stop in range(_STEPS_PER_CHECK, last + 1, _STEPS_PER_CHECK):
             equations = self.equations.until(stop, ends)
-            march = (x[:, :stop] for x in (self.times, self.wind, self.ratio))
-            until = LimitedFlights(equations, *march, self.onset)
+            times, wind, ratio = (x[:, :stop] for x in (self.times, self.wind, self.ratio))
+            until = LimitedFlights(equations, times, wind, ratio, self.onset)
             leaves |= until.diverge(limits[:, np.newaxis])[:, 0]
         return leaves & self.equations.changes_sign
 
