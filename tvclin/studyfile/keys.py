@@ -309,12 +309,7 @@ def _default(item: Any, factor: float | None) -> str:
     if item.shown or item.default is None:
         return item.shown
     values = item.default if item.many else (item.default,)
-    return ", ".join(_text(value, factor) for value in values)
-
-
-def _text(value: Any, factor: float | None) -> str:
-    """Return a default as text; `factor`: value in SI of the unit, None without a unit.
-
-    `value`: the default, a number in SI or a word.
-    """
-    return f"{value / (factor or 1.0):g}" if factor or isinstance(value, float) else str(value)
+    return ", ".join(
+        f"{value / (factor or 1.0):g}" if factor or isinstance(value, float) else str(value)
+        for value in values
+    )

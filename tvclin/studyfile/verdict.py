@@ -266,7 +266,8 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
 def measured(key: str, measure: Measure) -> tuple[Line, ...]:
     """Return required, available and remaining of a measure as lines, with units.
 
-    `key`: name of the numbers in JSON. None remains where nothing is sufficient.
+    `key`: begin of the unique names of the numbers on the page. None remains where none is
+    sufficient.
     """
     shown = [_shown(f"{key}.{name}", name, measure) for name in _NUMBERS[:2]]
     if np.isinf(measure.required):
@@ -277,8 +278,8 @@ def measured(key: str, measure: Measure) -> tuple[Line, ...]:
 def _shown(key: str, name: str, measure: Measure) -> Line:
     """Return a number of a measure as a line, in its unit.
 
-    `key`: name of the number in JSON, without its unit. `name`: "required", "available" or
-    "remaining".
+    `key`: unique name of the number on the page, without its unit. `name`: "required", "available"
+    or "remaining".
     """
     value, unit = getattr(measure, name), measure.unit
     suffix = _SUFFIXES.get(unit, unit.replace("/", "_per_").replace(" ", "_"))
