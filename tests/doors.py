@@ -1415,6 +1415,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "WindProfile.at": Door(west.at, {"height": 5e3}),
         "WindProfile.between": Door(west.between, {"low": 1e3, "high": 2e4}),
         "WindProfile.cross_plane": Door(west.cross_plane, {"azimuth": 1.0}),
+        "WindProfile.gaps_between": Door(west.gaps_between, {"low": 1e3, "high": 2e4}),
         "WindProfile.in_plane": Door(west.in_plane, {"azimuth": 1.0}),
         "WindProfile.notes_along": Door(west.notes_along, {"flight": climb}),
         "WindProfile.smoothed": Door(west.smoothed, {"thickness": 500.0}),

@@ -225,19 +225,21 @@ class WindProfile(Record):
         unknown = "in gaps of more than 2 km the wind is not known, and straight lines are shown"
         return [*self.notes, f"no level {gap}: {unknown}"]
 
-    def gaps_between(self, bottom: float, top: float) -> str:
-        """Return the gaps between levels that reach into heights [m], in words; empty without one.
+    def gaps_between(self, low: float, high: float) -> str:
+        """Return the gaps between levels that reach into an interval of heights, in words.
 
-        In a gap of more than `MAX_LEVEL_DISTANCE` the wind is not known.
+        `low`, `high`: ends of the interval [m]. In a gap of more than `MAX_LEVEL_DISTANCE` the wind
+        is not known; empty without one. `InputError` for heights that are no numbers.
         """
+        bottom, top = errors.number("low", low, unit="m"), errors.number("high", high, unit="m")
         gaps = np.stack([self.height[:-1], self.height[1:]], axis=-1)
         wide = np.diff(gaps)[:, 0] > MAX_LEVEL_DISTANCE
         wide &= (gaps[:, 0] < top) & (gaps[:, 1] > bottom)
         if not np.any(wide):
             return ""
-        low, high = gaps[wide][np.argmax(np.diff(gaps[wide]))] / 1e3
+        lower, upper = gaps[wide][np.argmax(np.diff(gaps[wide]))] / 1e3
         others = f" and in {plural(int(wide.sum()) - 1, 'other gap')}" if wide.sum() > 1 else ""
-        return f"from {low:.3g} to {high:.3g} km{others}"
+        return f"from {lower:.3g} to {upper:.3g} km{others}"
 
     def in_plane(self, azimuth: float) -> FloatArray:
         """Return the wind component along a direction of flight [m/s], positive a tail wind.
