@@ -193,7 +193,7 @@ def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
 
 
 def controller_system(controller: LinearSystem) -> LinearSystem:
-    """Return a controller with inputs named as those of a law, `LAW_INPUTS`, numbered states."""
+    """Return a controller whose inputs have the names of a law's, `LAW_INPUTS`."""
     names = {"attitude": ATTITUDE_ERROR, "attitude_rate": FILTERED_RATE} | SENSOR_OF
     states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
     return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
