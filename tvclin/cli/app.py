@@ -100,7 +100,7 @@ def _named(command: Any) -> Any:
 
 
 def _listed(name: str) -> Any:
-    """Return a command for a list: its help is read from its file, which is not loaded.
+    """Return the command with a name for a list: its help is read from its file, not loaded.
 
     To load all commands takes 1.8 s, to parse their files 0.05 s, and this 0.01 s.
     """
@@ -127,7 +127,7 @@ def _unwrapped(command: Any) -> Any:
 
 
 def function_of(name: str) -> Any:
-    """Return the function of a command, or the commands below it."""
+    """Return the function of the command with a name, or the app with the commands below it."""
     module = import_module(f"tvclin.cli.{_FILE_OF_COMMAND.get(name, name)}")
     return getattr(module, f"{name}_" if iskeyword(name) else name)
 
@@ -272,7 +272,8 @@ def _usage(error: Any, group: Any) -> str:
 def _refused_option(context: Any, path: str, option: str) -> str | None:
     """Return the message on an unknown option: the option in its unit, who takes it, or its key.
 
-    None for a misspelling.
+    None for a misspelling. `context`: context of the command, None before it is known. `path`: the
+    command with the program, as "tvclin study".
     """
     from tvclin.case.features import refusal
     from tvclin.cli.settings import field_key, similar_key, without_unit
@@ -292,12 +293,14 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
 
 
 def _say(words: str) -> None:
+    """Print words on stderr."""
     from tvclin.cli.output import say
 
     say(words, err=True)
 
 
 def _version(wanted: bool) -> None:
+    """Print the version and end the command, where --version is given (`wanted`)."""
     if wanted:
         from tvclin import __version__
 

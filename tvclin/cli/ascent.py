@@ -61,7 +61,10 @@ if TYPE_CHECKING:
 
 
 def is_scheduled(case: Case, source: str) -> bool:
-    """Return whether a file has an autopilot over the flight, not of one flight time."""
+    """Return whether the file `source` of a case has an autopilot over the flight.
+
+    False for an autopilot of one flight time.
+    """
     if not isinstance(case, StudyPlan) or case.sizing is None:
         return False
     return case.sizing.scheduled_design is not None or (
@@ -70,17 +73,18 @@ def is_scheduled(case: Case, source: str) -> bool:
 
 
 def _has_flown_autopilot(case: StudyPlan, source: str) -> bool:
-    """Return whether a file has an autopilot over the flight, and a limit for it."""
+    """Return whether a case of the file `source` has an autopilot over the flight, and a limit."""
     return case.nozzle.limit is not None and is_scheduled(case, source)
 
 
 def _autopilot_flights(
     case: StudyPlan, source: str, sizing: Sizing, more: bool
 ) -> FlightsOfLoop | None:
-    """Return the flights of the autopilot of a file and its use of the nozzle, if it has a limit.
+    """Return the flights of the autopilot of a case, and its use of the nozzle.
 
-    `more`: whether the autopilot requirement, which takes seconds for each flight time, is
-    computed.
+    None without an autopilot over the flight, or without a limit. `source`: file of the case.
+    `sizing`: required deflections by flight time, for comparison. `more`: whether the autopilot
+    requirement, which takes seconds for each flight time, is computed.
     """
     if not _has_flown_autopilot(case, source):
         return None
@@ -283,7 +287,11 @@ class _Answer:
         )
 
     def _print_details(self, further: list[Table], random: list[Table]) -> None:
-        """Print the tables by time and wind, of the budget, and of turbulence."""
+        """Print the tables by time and wind, of the budget, and of turbulence.
+
+        `further`: tables by flight time after the first. `random`: tables of turbulence after the
+        first.
+        """
         sizing, counted, ratio = self.sizing, self.counted, self.ratio
         print_tables(*further)
         if marks := tables.marks_line(sizing):
@@ -307,7 +315,10 @@ def _judged_planes(sizing: Sizing) -> str:
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
-    """Yield notes on options that would cover flight times which this sizing does not."""
+    """Yield notes on options that would cover flight times which a sizing does not.
+
+    `request`: the flight, its times and winds, of which the sizing is the result.
+    """
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
     if (request.start is None and begin > first) or (request.stop is None and end < last):
@@ -340,7 +351,11 @@ def case_over_flight(
     question: Options,
     *changes: Options | PlaneOptions,
 ) -> StudyPlan:
-    """Return the case of a flight from a file and options."""
+    """Return the case of a flight from the file `source` and options.
+
+    `command`: name of the question, for notes on what it neglects. `winds`: options of the winds.
+    `question`: options of flight times and tables. `changes`: further groups of options.
+    """
     soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))
     note_source(source, command)
     case = load_sizing(source, soundings)

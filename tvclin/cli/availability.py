@@ -118,7 +118,10 @@ def availability(
 
 
 def _write(result: Availability, source: str, csv: Path | None, plot: Path | None) -> None:
-    """Write every sounding into a CSV file, and draw the figure, where there are such files."""
+    """Write every sounding into the file `csv`, and the figure into `plot`, where they are given.
+
+    `source`: name of the file, for the title of the figure.
+    """
     from tvclin import plots
 
     if csv is not None:
@@ -145,7 +148,7 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
 
 
 def _document(result: Availability, today: tuple[Today, ...]) -> dict[str, Any]:
-    """Return the availability, with the balloon of today in each direction, for JSON."""
+    """Return an availability for JSON, with the verdict on the sounding `today` by azimuth."""
     document = result.as_dict()
     for towards, answer_today in zip(document["towards"], today, strict=False):
         towards["today"] = answer_today
@@ -177,7 +180,10 @@ def _print(result: Availability, launch: tuple[Today, ...], source: str, more: b
 
 
 def _print_details(result: Availability, source: str) -> None:
-    """Print the limits by fraction of soundings, the flight, the archive, and what is judged."""
+    """Print the limits by fraction of soundings, the flight, the archive, and what is judged.
+
+    `source`: name of the file, for a vehicle without a name.
+    """
     name = result.judge.flight.vehicle.name or source
     begin, end = result.judged_in_all
     print_tables(answer_tables.placard(result))
@@ -191,7 +197,10 @@ def _print_details(result: Availability, source: str) -> None:
 
 
 def _said(balloon: Today, result: Availability) -> str:
-    """Return the verdict on a balloon, in words, and the times that were judged of a part."""
+    """Return the verdict on a sounding in words, with the judged times if these are a part.
+
+    `result`: availability with the flight, whose span is the whole.
+    """
     cut = balloon.judged != result.judge.flight.span and not balloon.why
     judged_times = "; from {:.4g} to {:.4g} s, the rest is not judged".format(*balloon.judged) * cut
     return f"{_verdict(balloon)}{judged_times}"

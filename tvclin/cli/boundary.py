@@ -94,7 +94,11 @@ def _print_over_duration(
     more: bool,
     shown: ShownCurves,
 ) -> None:
-    """Print boundary limits y_BR over the duration tau beta, `x`, and the dead band K."""
+    """Print boundary limits y_BR over duration tau beta, `x` ``(n,)``, and dead band K, ``(k,)``.
+
+    `subject`: name, plant, plane and wind shape, see `_subject`. `shape`: shape of --wind, None
+    without it. `more`: whether all notes are printed.
+    """
     from tvclin import plots
 
     name, plant, plane, file_shape = subject
@@ -123,7 +127,10 @@ def _print_over_duration(
 
 
 def _largest(axis: str, x: FloatArray, K: FloatArray, limit: FloatArray) -> str:
-    """Return the largest limit ``(n, k)`` of a table in words, with its duration and dead band."""
+    """Return the largest limit ``(n, k)`` of a table in words, with its duration and dead band.
+
+    `axis`: name of the abscissa. `x`: abscissas, ``(n,)``. `K`: dead bands, ``(k,)``.
+    """
     finite = np.where(np.isfinite(limit), limit, -1.0)
     n, k = np.unravel_index(np.argmax(finite), finite.shape)
     return f"at most {finite[n, k]:.3f} of static trim, at {axis} = {x[n]:g} and K = {K[k]:g}"
@@ -132,7 +139,10 @@ def _largest(axis: str, x: FloatArray, K: FloatArray, limit: FloatArray) -> str:
 def _subject(
     vehicle: str | None, time: float | None, motion: Options
 ) -> tuple[str, Plant, str, str]:
-    """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1."""
+    """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1.
+
+    `time`: flight time [s] of a schedule. `motion`: options of model and plane.
+    """
     if vehicle is None:
         motion.only_with("a vehicle")
         only_with("a vehicle", at=time)
@@ -168,7 +178,9 @@ def print_in_wind(
 ) -> None:
     """Print the required deflection of a case at nominal dynamic pressure, and the minimum peak.
 
-    `control`: start and horizon [s] of the control that knows the wind.
+    `title`: vehicle and wind, above the table. `dead_bands`: dead bands K, ``(k,)``. `control`:
+    start and horizon [s] of the control that knows the wind. `more`: whether the details are
+    printed.
     """
     from tvclin import plots
 
@@ -205,7 +217,10 @@ def print_in_wind(
 def _required(
     plant: Plant, wind: History, dead_bands: FloatArray
 ) -> tuple[RequiredDeflection | None, list[str]]:
-    """Return the required deflection of each dead band, None if there is none, and notes."""
+    """Return the required deflection of a plant in a wind by dead band, ``(k,)``, and notes.
+
+    The deflection is None where there is no boundary limit.
+    """
     notes = [*linear_notes(float(wind.peak))]
     try:
         return required_deflection(plant, wind, dead_bands), notes
@@ -214,7 +229,10 @@ def _required(
 
 
 def _document(dead_bands: FloatArray, required: RequiredDeflection | None) -> list[dict[str, Any]]:
-    """Return limit, deflection and reason for each dead band, for JSON."""
+    """Return limit, deflection and reason for each dead band, ``(k,)``, for JSON.
+
+    `required`: required deflections, ``(k,)``; None without any.
+    """
     if required is None:
         return []
     names = "dead_band", "limit", "deflection_deg", "governed_by"
@@ -224,7 +242,10 @@ def _document(dead_bands: FloatArray, required: RequiredDeflection | None) -> li
 
 
 def _curves(plant: Plant, deflection: History, wind: History, title: str) -> "Curves":
-    """Return the curves of the response, until three times the end of the wind."""
+    """Return the curves of the response to a deflection [rad], until three times the wind's end.
+
+    `title`: vehicle and wind, in the file of the curves.
+    """
     from tvclin.plots import response_curves
 
     first = min(0.0, float(deflection.onset), float(wind.onset))

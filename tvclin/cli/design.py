@@ -106,7 +106,10 @@ class BoxResult:
 
 
 def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) -> BoxResult | None:
-    """Return the worst case in the box of the options, of the rigid vehicle; None without one."""
+    """Return the worst case in the box of --box, of the rigid vehicle; None without a box.
+
+    `intervals`: values of --box, as "delay_ms=0..40". `autopilot`: autopilot of the loop.
+    """
     if not intervals:
         return None
     vehicle, wind = complete_vehicle(case.vehicle, "--box"), case.wind_in_plane
@@ -131,7 +134,10 @@ def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) ->
 def _interval(
     text: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind
 ) -> tuple[str, tuple[float, float]]:
-    """Return the name of a number, and its two ends [SI]."""
+    """Return the name of a number, and its two ends [SI], of a value `text` of --box.
+
+    `vehicle`, `autopilot`, `wind`: nominal values, for ends in percent.
+    """
     key, (low, high), percent = _split(text)
     if not low < high:
         raise InputError(f"--box must have a smaller and a larger value, LO..HI; got {text!r}")
@@ -149,7 +155,7 @@ def _interval(
 
 
 def _split(text: str) -> tuple[str, tuple[float, float], bool]:
-    """Return the key, the two numbers, and whether they are in percent."""
+    """Return key and two ends of a value `text` of --box, and whether they are in percent."""
     key, equals, ends = text.partition("=")
     low, dots, high = (end.strip() for end in ends.partition(".."))
     if not equals or not dots:
@@ -168,7 +174,10 @@ def _split(text: str) -> tuple[str, tuple[float, float], bool]:
 
 
 def _nominal(name: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind) -> float:
-    """Return the nominal value of a number; zero where none is defined."""
+    """Return the nominal value [SI] of a number of vehicle, autopilot or wind, by its name.
+
+    Zero where none is defined.
+    """
     actuator = autopilot.actuator
     values: dict[str, Any] = {**vars(vehicle), **vars(autopilot), **wind.nominal, "gain": 1.0}
     if actuator is not None:
@@ -319,7 +328,8 @@ def _with_gains(plan: StudyPlan) -> StudyPlan:
 def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Iterator[RuleResult]:
     """Yield the results of the gains of a case, and of each rule's gains for its vehicle.
 
-    `frequency`: natural frequency [rad/s] of rules that place poles; None without such rules.
+    `loop`: autopilot of the case. `frequency`: natural frequency [rad/s] of rules that place poles;
+    None without such rules.
     """
     specified = case.autopilot_design
     rule_of_case = specified.design or ("poles" if specified.natural_frequency else "canonical")

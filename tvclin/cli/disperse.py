@@ -101,6 +101,7 @@ class FolderOptions:
             raise typer.Exit(130) from None
 
     def _executor(self) -> AbstractContextManager[Executor | None]:
+        """Return the executor of --scheduler or --workers; None without either."""
         if self.workers is not None and self.scheduler is not None:
             raise InputError("give --workers or --scheduler, not both")
         if self.scheduler is not None:
@@ -177,7 +178,11 @@ def disperse(
 def _campaign(
     source: str, time: float | None, winds: WindOptions, changes: Sequence[Options]
 ) -> Campaign:
-    """Return the campaign of a file or a vehicle, with the keys of these options set."""
+    """Return the campaign of a file or a vehicle, with the keys of options set.
+
+    `time`: flight time [s] of a schedule. `winds`: options of the wind. `changes`: groups of
+    options whose fields are keys of a campaign.
+    """
     values = {name: value for change in changes for name, value in change.values.items()}
     keys = _keys(source_tables(source), {"time": time, **vars(winds), **values})
     try:
@@ -207,7 +212,10 @@ def _campaign(
 
 
 def _in_soundings(campaign: Campaign, winds: WindOptions, source: str) -> Campaign:
-    """Return a campaign along a flight in the soundings of --winds, from size.from_s to to_s."""
+    """Return a campaign along a flight in the soundings of --winds, from size.from_s to to_s.
+
+    `source`: file of the campaign, which may have these keys.
+    """
     plan = campaign.along
     assert plan is not None
     if getattr(campaign.wind, "gust", None) is not None:

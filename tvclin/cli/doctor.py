@@ -43,6 +43,7 @@ def doctor(as_json: AsJson = False) -> None:
 
 
 def _row(extra: str, versions: dict[str, str | None]) -> list[str]:
+    """Return the cells of an extra: its name and use, and the versions of its packages."""
     packages = ", ".join(f"{name} {version or 'missing'}" for name, version in versions.items())
     return [f"{extra}: {ADDS.get(extra, '')}", packages]
 
@@ -62,6 +63,7 @@ def _requirements() -> tuple[list[str], dict[str, list[str]]]:
 
 
 def _version(name: str) -> str | None:
+    """Return the version of an installed package; None if it is missing."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:

@@ -146,7 +146,7 @@ class Compared:
 
 
 def flight_title(flying: "Flying") -> str:
-    """Return the title of a flight: its vehicle, if named, and in a second line wind and law."""
+    """Return the title of a flight to be flown: its vehicle, if named, below it wind and law."""
     case, wind = flying.case, wind_words(flying.shape, flying.case)
     line = f"{wind}, {case.plane}, law {flying.law}"
     return f"{case.vehicle.name}\n{line}" if case.vehicle.name else line
@@ -185,7 +185,7 @@ class Flying:
         return self.case.history
 
     def designed(self, plant: Plant) -> ReportControl | Law:
-        """Return the report's control, or the law with its dead band or the gains of the case."""
+        """Return the report's control, or the law designed on a plant, with dead band or gains."""
         one_of("--law", self.law, [REPORT, *LAWS])
         parameters: dict[str, Any] = {} if self.dead_band is None else {"dead_band": self.dead_band}
         if parameters and self.law not in (REPORT, DEAD_BAND):
@@ -248,7 +248,11 @@ class FlightCase(Flying):
 def flight_case(
     flying: Flying, engine: str, condition: FlightCondition | None, length: float
 ) -> FlightCase:
-    """Return the case of a flight of a length [s]; the default limit is 1.1 times the boundary."""
+    """Return the case of a nonlinear flight; its default limit is 1.1 times the boundary.
+
+    `flying`: case, wind and law. `engine`: name of the engine. `condition`: altitude and specific
+    impulse for parameters that vary in flight, None for frozen ones. `length`: its length [s].
+    """
     flying = replace(flying, case=replace(flying.case, model=""))
     plant, wind = flying.case.plant.rigid, flying.wind
     _check_flight(plant, wind, length)
@@ -275,7 +279,8 @@ def flight_case(
 def _check_flight(plant: Plant, wind: Any, length: float) -> None:
     """Raise `InputError` for a flight that no solver follows, and for a vehicle without boundary.
 
-    A flight is watched for some time after its wind before it is judged.
+    `length`: length of the flight [s]. A flight is watched for some time after its wind before it
+    is judged.
     """
     if float(plant.coefficients.mu_alpha) <= 0.0:
         raise InputError(
@@ -299,7 +304,10 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
 
 
 def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) -> Compared:
-    """Return a flight of a length [s] with its linear theory, and its boundary on request."""
+    """Return a flight with its linear theory, and with `boundary` also the flown boundary.
+
+    `length`: length of the flight [s]. `points`: number of its times.
+    """
     start, limit = float(case.wind.onset), case.limit
     times = np.linspace(start, start + length, points)
     arguments = {"deflection_limit": limit, "boundary": case.boundary, **case.options}

@@ -184,6 +184,7 @@ def log(
 
 
 def _columns(file: Path) -> dict[str, Any]:
+    """Return the table [columns] of a TOML file: names of columns, or numbers, by quantity."""
     document = tables_of(read_text(file, "a TOML file of columns"), str(file))
     columns = document.get("columns")
     if not isinstance(columns, dict) or len(document) > 1:
@@ -205,7 +206,10 @@ def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
 
 
 def _write(schedule: FlightSchedule, file: Path, output: Path, more: bool) -> None:
-    """Write a schedule, and print its coefficients over time and its notes."""
+    """Write a schedule into the file `output`, and print its coefficients over time and its notes.
+
+    `file`: file that was read. `more`: whether all notes are printed.
+    """
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     schedule.to_csv(output)

@@ -198,7 +198,11 @@ def fly(
 def _flown(
     flying: Flying, engine: str, condition: FlightCondition | None, more: bool
 ) -> Compared | AutopilotFlight:
-    """Return the flight of a law in the wind of its case, over two durations of that."""
+    """Return the flight of a law in the wind of its case, over two durations of that.
+
+    `engine`: name of the engine. `condition`: altitude and specific impulse for parameters that
+    vary in flight, None for frozen ones. `more`: whether the boundary is flown too.
+    """
     wind = flying.case.history
     length = _DURATIONS_SHOWN * float(wind.end - wind.onset)
     if engine != LINEAR:
@@ -218,7 +222,12 @@ def fly_laws(
     more: bool,
     shown: ShownCurves,
 ) -> None:
-    """Fly laws in the standard winds, or in that of the options, and print their limits."""
+    """Fly laws in the standard winds, or in that of the options, and print their limits.
+
+    `vehicle`: name of a vehicle or of a file. `time`: flight time [s] of a schedule. `motion`,
+    `winds`, `flies`: options of model and plane, of the wind, and of gains and hardware. `more`:
+    whether all tables and notes are printed.
+    """
     from tvclin import plots
 
     if shown.plot is not None:
@@ -331,14 +340,17 @@ def _without_actuator(plan: StudyPlan) -> StudyPlan:
 
 
 def _with_gains(flies: FlownLaw, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with options; `InputError` for gains where no law of its file has them."""
+    """Return a plan with the options `flies` of gains and hardware.
+
+    `InputError` for gains where no law of the file has them.
+    """
     if plan.laws is not None and AUTOPILOT not in plan.laws.names:
         flies.gains.only_with("the law autopilot in the table [laws]")
     return flies.over(plan)
 
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
-    """Return the laws of the case, designed for a peak [rad], with its filters."""
+    """Return the laws of a case by name, with filters, designed on a plant for a peak [rad]."""
     autopilot = specified_autopilot(case, case.history, case.held_to)
     laws_by_name = standard_laws(plant, peak, autopilot, case.hardware["rate_limit"])
     return {
@@ -349,7 +361,10 @@ def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
 
 
 def _winds(options: WindOptions, case: StudyPlan) -> tuple[float, float, dict[str, History]]:
-    """Return peak [rad] and duration [s] for which laws are designed, and the winds by name."""
+    """Return peak [rad] and duration [s] for which laws are designed, and the winds by name.
+
+    `options`: options of the wind, which name the shape of a single wind. `case`: case with it.
+    """
     pulse, wind = case.wind_in_plane, case.history
     if not isinstance(pulse, ShapedWind):
         return float(wind.peak), float(wind.end - wind.onset), {options.name(case): wind}

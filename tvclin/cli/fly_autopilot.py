@@ -109,7 +109,7 @@ class LinearCase(Flying):
 
 
 def limited_law(case: StudyPlan, name: str) -> Law:
-    """Return the law of --law, whose flight keeps to the deflection limit."""
+    """Return the law of a case with the name of --law; `InputError` without a deflection limit."""
     if case.nozzle.limit is None:
         raise InputError("--law needs --limit-deg, the deflection limit of the nozzle")
     return LinearCase(case, "", name, None).control
@@ -189,7 +189,7 @@ RINGS_MEANS = (
 
 
 def _word(status: str) -> str:
-    """Return the outcome of a flight in words."""
+    """Return the outcome of a flight in words, from its `FlownCases.status`."""
     if status == NOT_KNOWN:
         return survival(None)
     fate = {"survived": "", "lost": "", "rings": ", limit cycle"}.get(
@@ -210,7 +210,8 @@ _MIN_DURATION_RATIO, _MAX_DURATION_RATIO = 0.2, 8.0
 def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFlight":
     """Return the flight of an autopilot, where its loop or a limit allows one, and its requirement.
 
-    `more`: whether boundaries are sought for a given limit too.
+    `linear`: case, wind and law. `more`: whether boundaries are sought for a given limit too.
+    `times`: times of the flight [s], ``(n,)``.
     """
     case = linear.case
     autopilot = specified_autopilot(case, case.history, case.held_to)
@@ -471,7 +472,10 @@ class AutopilotFlight:
 
 
 def _worst(compared: TrimComparison, wind: Any) -> WorstDuration | None:
-    """Return the worst duration of a pulse; None for a sounding, or an unstable loop."""
+    """Return the duration of a pulse with the largest deflection of an autopilot.
+
+    `compared`: the autopilot in the wind. None for a sounding, and for an unstable loop.
+    """
     if not isinstance(wind, ShapedWind) or not compared.margins.stable or not wind.peak:
         return None
     return worst_duration(

@@ -35,7 +35,8 @@ R = TypeVar("R", bound="DataclassInstance")
 def only_with(needed: str, **options: Any) -> None:
     """Raise `InputError` for options that are given without what they require.
 
-    Options are named as in a signature; one that is None or False is not given.
+    `needed`: what they require, in words. `options`: values by the names of parameters; one that is
+    None or False is not given.
     """
     flags = [
         f"--{name.strip('_').replace('_', '-')}"
@@ -55,9 +56,10 @@ def case_of(
 ) -> StudyPlan:
     """Return the case of a study file, a vehicle, or a flight at a time [s].
 
-    Options count more than the file. Groups of options are changes, as `GainOptions.over`;
-    `PulseOptions.over` has the wind. Notes on stderr name the effects that the `questions`
-    neglect, and doubtful numbers of the vehicle; a question of the rigid vehicle alone gets that.
+    `source`: name of a vehicle or of a file. `changes`: functions that put options over the plan of
+    the file, as `GainOptions.over`. `wind`: likewise for the wind, `PulseOptions.over`. Notes on
+    stderr name the effects that the `questions` neglect, and doubtful numbers of the vehicle; a
+    question of the rigid vehicle alone gets that.
     """
     plan = load_study(source, time)
     if "study" not in questions:  # which has them among its own notes
@@ -89,7 +91,10 @@ def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
 
 
 def note_omissions(case: Case, *questions: str, tables: Collection[str] = ()) -> None:
-    """Print on stderr the effects of a case that questions neglect, see `omission_notes`."""
+    """Print on stderr the effects of a case that questions neglect, see `omission_notes`.
+
+    `questions`: names of questions, as "nozzle --over load". `tables`: tables of the case's file.
+    """
     for sentence in omission_notes(case, *questions, tables=tables):
         note_below(sentence)
 
@@ -113,7 +118,10 @@ def note_single_time(source: str) -> None:
 
 
 def note_source(source: str, question: str) -> None:
-    """Print the notes of `case_of` on a study or vehicle file, or on what is set of a flight."""
+    """Print the notes of `case_of` on a study or vehicle file, or on what is set of a flight.
+
+    `question`: name of the question whose omissions are noted.
+    """
     if is_flight_with_keys(source) or is_flight(source):
         with suppress(InputError):  # a file without [schedule], of which availability has its own
             note_omissions(load_sizing(source), question)

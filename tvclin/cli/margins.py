@@ -73,7 +73,10 @@ class JudgedMargins:
 
     @classmethod
     def of(cls, autopilot: Autopilot, plant: AnyPlant, criteria: Criteria) -> "JudgedMargins":
-        """Return the margins of a plant, by band too where it is flexible."""
+        """Return the margins of an autopilot with a plant, by band too where it is flexible.
+
+        `criteria`: criteria by which they are judged.
+        """
         if plant.structure is None:
             return cls(autopilot, plant, autopilot.margins(plant), None, criteria)
         bands = autopilot.band_margins(plant)
@@ -106,7 +109,10 @@ class JudgedMargins:
 
 
 def margin_tables(result: JudgedMargins, title: str = "Margins") -> tuple[Table, ...]:
-    """Return the tables of the margins of a loop and, of a flexible vehicle, by band."""
+    """Return the tables of the margins of a loop and, of a flexible vehicle, by band.
+
+    `title`: caption of the first.
+    """
     tables = [margin_table(result.whole, result.judged)] if result.whole.stable else []
     if result.bands is not None:
         tables.append(band_table(result.bands, result.judged))
@@ -130,7 +136,10 @@ def mode_notes(result: JudgedMargins) -> Iterator[str]:
 
 
 def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
-    """Print an autopilot, with the poles of its loop or the parts of its flexible vehicle."""
+    """Print an autopilot, with the poles of its loop or the parts of its flexible vehicle.
+
+    `title`: caption of the table. `plant`: plant of the loop.
+    """
     rows = autopilot.rows()
     if plant.structure is not None:
         say(parts_line(plant.structure))
@@ -152,7 +161,10 @@ def print_bounds(autopilot: Autopilot, plant: AnyPlant) -> None:
 
 
 def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
-    """Return the bounds on the margins; None for a plant without an unstable pole."""
+    """Return the bounds on the margins of any autopilot with a plant, and this actuator and delay.
+
+    None for a plant without an unstable pole.
+    """
     try:
         return margin_bounds(plant, actuator=autopilot.actuator, delay=float(autopilot.delay))
     except InputError:
@@ -341,7 +353,10 @@ class _Answer:
         return head | margins | more | {"notes": (*margins["notes"], *self.notes)}
 
     def print(self, source: str, more: bool) -> None:
-        """Print the verdict, the margins, notes and, with `more`, the autopilot and its bounds."""
+        """Print the verdict, the margins, notes and, with `more`, the autopilot and its bounds.
+
+        `source`: name of the file, for a vehicle without a name.
+        """
         case, loop = self.case, self.margins
         head = f"{case.vehicle.name or source}, {case.plant.model}, {case.plane}"
         tables = list(margin_tables(loop, f"{head}: margins"))
@@ -382,7 +397,7 @@ def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins:
 
 
 def _chart(name: str, margins: JudgedMargins) -> "ControlPlot":
-    """Return the figure with a name, one of `_CHARTS`."""
+    """Return the figure of judged margins with a name, one of `_CHARTS`."""
     from tvclin import plots
 
     if name == "nichols":

@@ -136,7 +136,11 @@ def _print_in_a_wind(
     more: bool,
     shown: ShownCurves,
 ) -> None:
-    """Print the deflection over its rate or over the load in one wind; with `more`, the details."""
+    """Print the deflection over its rate or over the load in one wind; with `more`, the details.
+
+    `vehicle`: name of a vehicle or of a file. `over`: rate or load. `time`: flight time [s] of a
+    schedule.
+    """
     winds, names = options.winds.at_one_time(vehicle), options.names
     case = _case_in_a_wind(vehicle, over, time, options, winds)
     title, required = winds.title(case, vehicle), study_requirement(case, case.dead_band)
@@ -224,8 +228,9 @@ def over_rate(
 ) -> TradeOffAnswer:
     """Return the deflection limit over the rate limit, with the duty of laws by their names.
 
-    `every_law`: whether laws are flown for the limit that they need at each rate limit. `required`:
-    requirement of the study, at which the required rate is stated where the case has no limit.
+    `title`: vehicle and wind, above the first table. `every_law`: whether laws are flown for the
+    limit that they need at each rate limit. `required`: requirement of the study, at which the
+    required rate is stated where the case has no limit.
     """
     from tvclin import plots
 
@@ -264,7 +269,7 @@ def _at_limit(
 ) -> RateTradeOff | None:
     """Return the trade-off at the limit, or else at the required deflection, with its rate.
 
-    None where neither is a deflection above zero.
+    `front`: trade-off of the case with its limit. None where neither is a deflection above zero.
     """
     if front.limit is not None:
         return front
@@ -329,14 +334,17 @@ def _rate_text(required_rate: float, at: str, law: str) -> str:
 
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:
-    """Return the limits that laws need when flown, at each rate limit."""
+    """Return the limits that the laws of a case require in flight, over the rate limit."""
     laws = tuple(LAWS) if case.laws is None else case.laws.names
     with bar("boundaries") as progress:
         return flown_trade_offs({"": case}, laws=laws, progress=progress)[""]
 
 
 def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
-    """Return the deflection limit over the load, with the largest load of laws by their names."""
+    """Return the deflection limit over the load, with the largest load of laws by their names.
+
+    `title`: vehicle and wind, above the table.
+    """
     from tvclin import plots
 
     with waiting("flying"):
@@ -380,7 +388,10 @@ _USED = (
 
 
 def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurves) -> None:
-    """Print the duty of the nozzle in a whole flight of a law, and the verdict on its limits."""
+    """Print the duty of the nozzle in a whole flight of a law, and the verdict on its limits.
+
+    `source`: name of the file. `more`: whether all tables and notes are printed.
+    """
     groups = (options.limits, options.model, options.planes, options.gains)
     case = case_over_flight(_QUESTION, source, options.winds, options.times, *groups)
     request, names = case.sizing, options.names

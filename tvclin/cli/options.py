@@ -99,7 +99,11 @@ def option(
     metavar: str | None = None,
     callback: Callable[[Any], Any] | None = None,
 ) -> Any:
-    """Return the option of a command for a parameter, with its help and the default shown there."""
+    """Return the option of a command for a parameter, with its help.
+
+    `shown`: text for the default in the help. `flag`: name of the option where it is not that of
+    the parameter. `metavar`: name of its value in the help. `callback`: check of the value.
+    """
     named = [flag] if flag else []
     return typer.Option(
         default,
@@ -112,7 +116,7 @@ def option(
 
 
 def switch(flag: str, help: str) -> Any:
-    """Return the option of a parameter that is false unless it is given."""
+    """Return the option `flag` of a parameter that is false unless it is given."""
     return typer.Option(False, flag, help=help)
 
 
@@ -145,6 +149,7 @@ class Options:
 
     @property
     def _kind(self) -> Any:
+        """The dataclass that `kind` names."""
         module, _, name = self.kind.rpartition(".")
         return getattr(import_module(f"tvclin.{module}"), name)
 
@@ -174,7 +179,10 @@ class Options:
         return replace(plan, **{self.at: made})
 
     def only_with(self, needed: str, *names: str) -> None:
-        """Raise `InputError` if options are given that mean nothing without something else."""
+        """Raise `InputError` if options are given without what they require, `needed` in words.
+
+        `names`: fields whose options count, all by default.
+        """
         only_with(
             needed,
             **{
@@ -194,11 +202,15 @@ def _parameter(item: Field) -> str:
 
 
 def _flag(parameter: str) -> str:
+    """Return the option of a parameter, as --limit-deg of limit_deg."""
     return f"--{parameter.strip('_').replace('_', '-')}"
 
 
 def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None) -> Parameter:
-    """Return the option of a field, with its help, its default and its panel of the help."""
+    """Return the parameter of a command for a field `item`, with help, default and panel.
+
+    `name`: name of the parameter. `shown`: texts for defaults, by field.
+    """
     kinds = {"text": str, "flag": bool, "count": int}
     kind: Any = kinds.get(item.kind, float)
     default = shown.get(item.name, item.shown)
@@ -259,7 +271,11 @@ class ShownCurves(Shown, _Csv):
     def write(
         self, curves: "Callable[[], Curves]", chart: "Callable[[Curves], ControlPlot]"
     ) -> None:
-        """Write the CSV file and the figure that the options name."""
+        """Write the CSV file and the figure that the options name.
+
+        `curves`: function that computes the curves, called once where either is asked for. `chart`:
+        function that draws them.
+        """
         if self.csv is None and self.plot is None:
             return
         numbers = curves()
@@ -288,7 +304,10 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 def _expanded(
     made: Callable[..., Any],
 ) -> tuple[list[Parameter], Callable[[dict[str, Any]], Any]]:
-    """Return the options of a command or a group, and the function that calls it with them."""
+    """Return the options of a command or group `made`, and the function that calls it with them.
+
+    That function takes the values of all options by name, and removes those of `made`.
+    """
     shown: list[Parameter] = []
     takers: dict[str, Callable[[dict[str, Any]], Any]] = {}
     for name, parameter in signature(made).parameters.items():
@@ -310,7 +329,7 @@ def _expanded(
 
 
 def _pop_value(name: str, values: dict[str, Any]) -> Any:
-    """Return the value of an option, and remove it from `values`."""
+    """Return the value of the option with a name, and remove it from `values`."""
     return values.pop(name)
 
 

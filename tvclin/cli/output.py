@@ -35,7 +35,8 @@ _MAX_NOTES = 3
 def say(words: str, err: bool = False) -> None:
     """Print words: in lines that fit the terminal, and as they are into files and pipes.
 
-    A control character, as a file name can have it, is a question mark.
+    A control character, as a file name can have it, is a question mark. `err`: whether they go to
+    stderr.
     """
     from rich.console import Console
 
@@ -128,10 +129,11 @@ def print_tables(*tables: Table) -> None:
 def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print a table: labels and sentences aligned to the left, numbers to the right.
 
-    `headings`: of the columns. `rows`: cells of each row, as text. No word is broken where the
-    terminal is wide enough for the longest word of each column; rich alone narrows the widest
-    columns first and breaks words earlier. Headings are wrapped before cells. Sentences of the last
-    column that have too little room are printed below the table, each with the label of its row.
+    `title`: line above it. `headings`: those of the columns. `rows`: cells of each row, as text. No
+    word is broken where the terminal is wide enough for the longest word of each column; rich alone
+    narrows the widest columns first and breaks words earlier. Headings are wrapped before cells.
+    Sentences of the last column that have too little room are printed below the table, each with
+    the label of its row.
     """
     from rich.console import Console
 
@@ -162,7 +164,9 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
 def _widen(wider: dict[int, int], wanted: Sequence[int], spare: int, prose: Sequence[bool]) -> int:
     """Widen columns to what they want, labels first, and return the remaining spare width.
 
-    `wider`: additional width of each column, which is changed.
+    `wider`: additional width of each column, which is changed. `wanted`: additional width that each
+    column asks for. `spare`: width that the terminal has left. `prose`: whether each column holds
+    sentences.
     """
     labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
     for n, k in enumerate(labels_first):
@@ -182,7 +186,11 @@ def _print_grid(
     prose: Sequence[bool],
     fits: bool,
 ) -> None:
-    """Print a table with columns of given widths, which rich chooses where they do not fit."""
+    """Print a table with columns of given widths, which rich chooses unless `fits`.
+
+    `headings`, `rows`: texts of the columns and of the cells by row. `prose`: whether each column
+    holds sentences, which are aligned to the left.
+    """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table as Grid
     from rich.text import Text
@@ -202,7 +210,7 @@ def _print_grid(
 
 
 def _print_quantities(title: str, rows: Sequence[Sequence[str]]) -> None:
-    """Print names and values, of many as many side by side as the terminal has room for."""
+    """Print names and values (`rows`) below a title, side by side where there are many."""
     from rich.console import Console
     from rich.table import Table as Grid
     from rich.text import Text
@@ -243,7 +251,7 @@ def answer(
 
 
 def draw(plot: Path | None, chart: Callable[[], ControlPlot]) -> None:
-    """Write the figure into the file of --plot, where there is one."""
+    """Write the figure into the file `plot`, if it is not None; `chart`: function that draws it."""
     if plot is not None:
         from tvclin.plots import save_figure
 
@@ -262,7 +270,10 @@ _LINE_INTERVAL_S = 20.0
 
 @contextmanager
 def bar(what: str) -> Iterator[Progress]:
-    """Yield the function that shows a bar with the remaining time, or lines in a pipe."""
+    """Yield the function that shows a bar with the remaining time, or lines in a pipe.
+
+    `what`: the units of work in words, as "flights".
+    """
     from rich.console import Console
 
     console = Console(stderr=True)
@@ -281,8 +292,8 @@ def bar(what: str) -> Iterator[Progress]:
 def lines(what: str) -> Progress:
     """Return the function that writes progress on stderr, a line in twenty seconds at most.
 
-    The rate counts from the first report on: earlier work, and the compilation of kernels until
-    then, do not enter it.
+    `what`: the units of work in words. The rate counts from the first report on: earlier work, and
+    the compilation of kernels until then, do not enter it.
     """
     import typer
 
@@ -290,7 +301,7 @@ def lines(what: str) -> Progress:
     first: tuple[float, float] | None = None
 
     def tell(done: float, total: float) -> None:
-        """Show the fraction of the work that is done."""
+        """Print the fraction of the work that is done, of a total."""
         nonlocal first, last
         now = monotonic()
         first = first or (now, done)
@@ -306,13 +317,16 @@ def lines(what: str) -> Progress:
 
 
 def _remaining_text(passed: float, done: float, rest: float) -> str:
-    """Return the remaining time in words; empty before `_MIN_DONE_FRACTION` of the work is done."""
+    """Return the remaining time in words; empty before `_MIN_DONE_FRACTION` of the work is done.
+
+    `passed`: time [s] in which the amount `done` was done. `rest`: remaining amount.
+    """
     return f"{passed * rest / done:.0f} s" if done >= _MIN_DONE_FRACTION * (done + rest) else ""
 
 
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Show the current work and its elapsed time, where nothing can be counted; on a terminal."""
+    """Show the current work `what`, in words, and its elapsed time; on a terminal alone."""
     from rich.console import Console
 
     console = Console(stderr=True)

@@ -90,6 +90,7 @@ def _named(plant: AnyPlant) -> list[dict[str, Any]]:
 
 
 def _document(modes: Modes) -> list[dict[str, Any]]:
+    """Return the poles [1/s] of a plant with their residues, for JSON."""
     columns = (modes.poles, modes.deflection_residues, modes.wind_residues)
     return [
         {"pole_per_s": p, "deflection_residue_per_s": d, "wind_residue_per_s": w}

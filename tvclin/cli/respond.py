@@ -136,9 +136,9 @@ def bounded_trim(
 ) -> BoundedTrim:
     """Return the deflection of trim up to K times the limit [rad], then the limit, in a wind.
 
-    `name`: title of the wind, which begins at t = 0. `capability`: the limit over the
-    required deflection at nominal dynamic pressure. `until`: length of the response in durations of
-    the wind.
+    `name`: title of the wind, which begins at t = 0. `dead_band`: K, from 0 to 1. `capability`: the
+    limit over the required deflection at nominal dynamic pressure. `until`: length of the response
+    in durations of the wind.
     """
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
@@ -239,11 +239,15 @@ def _curves(case: BoundedTrim, times: FloatArray) -> "Curves":
 
 
 def _title(case: BoundedTrim) -> str:
+    """Return the title of the figure of a response: its vehicle, below it wind and limit."""
     return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
 
 
 def _print(case: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
-    """Print the outcome with the limit, and the largest motions; with `more`, all notes."""
+    """Print the outcome with the limit, and the largest motions; with `more`, all notes.
+
+    `shown`: end of the shown response, and its reason.
+    """
     wind_covered = _covers_the_wind(case, shown)
     caption = f"{case.case.vehicle.name}: exact response\n{case.words}"
     see = [] if case.required is None else [case.required.see_study]
@@ -256,7 +260,7 @@ def _print(case: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool)
 
 
 def _end_notes(case: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
-    """Yield notes on the time at which the shown response ends."""
+    """Yield notes on the time at which the shown response ends, and on its reason."""
     if shown.why == RELEASED:
         yield (
             "an autopilot lets go of the limit when the attitude is back at zero, or beyond; the"
@@ -280,11 +284,15 @@ def _constant_notes(case: BoundedTrim) -> Iterator[str]:
 
 
 def _covers_the_wind(case: BoundedTrim, shown: ResponseEnd) -> bool:
+    """Return whether the shown response lasts until the end of the wind."""
     return shown.why == COMPLETE or shown.time >= float(case.wind.end)
 
 
 def _document(case: BoundedTrim, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
-    """Return the response, its verdict and the required deflection, for JSON."""
+    """Return a response, its verdict and the required deflection, for JSON.
+
+    `largest`: extremes of the attitude. `shown`: end of the shown response, and its reason.
+    """
     verdict, wind_covered = case.verdict, _covers_the_wind(case, shown)
     needed = None if case.required is None else np.degrees(case.required.known_deflection)
     peak = {

@@ -52,7 +52,7 @@ _QUESTION = ("probability", "confidence")
 
 
 def _completed(incomplete: str) -> Iterator[tuple[str, str]]:
-    """Yield the keys that begin with a text, each with its line of help."""
+    """Yield the keys that begin with an incomplete text, each with its line of help."""
     from tvclin.studyfile.keys import all_keys
 
     yield from ((key.name, key.help) for key in all_keys() if key.name.startswith(incomplete))
@@ -155,7 +155,7 @@ def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
 
 
 def _edited(source: str | None, settings: Sequence[tuple[str, str]]) -> str:
-    """Return the source with the keys set; `InputError` without a source."""
+    """Return the source with keys and values of `settings` set; `InputError` without a source."""
     from tvclin.cli.inputs import only_with
     from tvclin.studyfile.settings import with_settings
 

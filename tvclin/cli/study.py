@@ -120,7 +120,7 @@ def study(
 
 
 def _document(findings: Findings) -> dict[str, Any]:
-    """Return the study with its questions and notes, for JSON."""
+    """Return the study of findings with its questions and notes, for JSON."""
     extra: dict[str, Any] = {}
     for name in ("dispersed", "turbulence"):
         if getattr(findings, name) is not None:

@@ -33,7 +33,10 @@ def flight_loop(
     *changes: Callable[[StudyPlan], StudyPlan],
     soundings: dict[str, SoundingRequest] | None = None,
 ) -> FlightLoop:
-    """Return the loop of a flight from a file with soundings, over which options count."""
+    """Return the loop of a flight from the file `source` with soundings, by name.
+
+    `changes`: functions that put options over the plan of the file.
+    """
     loop = FlightLoop.of(load_sizing(source, soundings))
     for change in changes:
         loop = replace(loop, plan=change(loop.plan))
@@ -43,8 +46,8 @@ def flight_loop(
 def print_sweep(source: str, loop: FlightLoop, more: bool, shown: ShownCurves) -> None:
     """Print the verdict on the criteria over the flight, and the margins by flight time.
 
-    `source`: name of the file, for a vehicle without a name. `more`: whether all flight times and
-    notes are printed.
+    `source`: name of the file, for a vehicle without a name. `loop`: autopilot and vehicle over the
+    flight. `more`: whether all flight times and notes are printed.
     """
     from tvclin import plots
 
@@ -83,7 +86,11 @@ def fly_flight(
     more: bool,
     shown: ShownCurves,
 ) -> None:
-    """Fly the autopilot of a flight through each wind, and print the verdict on the limit."""
+    """Fly the autopilot of a flight through each wind, and print the verdict on the limit.
+
+    `source`: file of the flight. `changes`: functions that put options over its plan. `more`:
+    whether all winds and notes are printed.
+    """
     reading = SoundingReading.of(source_tables(source), Path(source).parent)
     loop = flight_loop(source, *changes, winds.over, soundings=winds.soundings(reading))
     check_reading(loop.plan)
@@ -96,7 +103,11 @@ def fly_flight(
 def _show(
     source: str, loop: FlightLoop, flown: FlightsOfLoop, more: bool, shown: ShownCurves
 ) -> None:
-    """Write and print the flights: by wind, and all outputs of the worst."""
+    """Write and print the flights: by wind, and all outputs of the worst.
+
+    `source`: name of the file, for a vehicle without a name. `loop`: what is flown. `more`: whether
+    all winds and notes are printed.
+    """
     from tvclin import plots
 
     name, worst = loop.flight.vehicle.name or source, flown.worst_outcome

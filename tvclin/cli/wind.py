@@ -98,7 +98,10 @@ class WindOptions(PulseOptions):
     )
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the sounding or the pulse of these options; a sounding from t = 0."""
+        """Return a plan with the sounding or the pulse of these options; a sounding from t = 0.
+
+        `source`: file of the plan.
+        """
         sounding = self.sounding_of(plan, source)
         if sounding is None:
             plan = super().over(plan, source)
@@ -111,7 +114,10 @@ class WindOptions(PulseOptions):
         return plan
 
     def in_flight(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the wind in flight time, a pulse centred on the vehicle's own time."""
+        """Return a plan with the wind in flight time, a pulse centred on the vehicle's own time.
+
+        `source`: file of the plan.
+        """
         shifted = self.over(plan, source)
         if isinstance(shifted.wind, SoundingWind):
             return replace(shifted, wind=replace(shifted.wind, in_flight=True))
@@ -128,12 +134,12 @@ class WindOptions(PulseOptions):
         return chosen(self.wind, case.shape)
 
     def title(self, case: Case, source: str) -> str:
-        """Return the vehicle of a case, its model and its wind, at nominal dynamic pressure."""
+        """Return a title: vehicle of a case, or else its file `source`, its model and its wind."""
         name = case.vehicle.name or source
         return f"{name}, {case.plant.model}: {wind_words(self.name(case), case)}, {NOMINAL}"
 
     def document(self, case: Case, required: CaseRequirement | None) -> dict[str, Any]:
-        """Return the vehicle, model, wind and plane of a case, and its requirement, for JSON."""
+        """Return vehicle, model, wind and plane of a case for JSON, and its required deflection."""
         return {
             "vehicle": case.vehicle.name,
             "model": case.plant.model,
@@ -143,7 +149,10 @@ class WindOptions(PulseOptions):
         }
 
     def sounding_of(self, case: Case, source: str) -> SoundingWind | None:
-        """Return the sounding of --winds in the flight of a case; None without the option."""
+        """Return the sounding of --winds in the flight of a case; None without the option.
+
+        `source`: file of the case, with keys of soundings.
+        """
         from tvclin.ascent.schedule_file import load_schedule
 
         if self.winds is None:
@@ -162,7 +171,10 @@ class WindOptions(PulseOptions):
         )
 
     def soundings_along(self, source: str) -> "dict[str, SoundingRequest]":
-        """Return the soundings of --winds, a file or a folder, for a whole flight, by name."""
+        """Return the soundings of --winds, a file or a folder, for a whole flight, by name.
+
+        `source`: file of the case, with keys of soundings.
+        """
         self._check_no_pulse()
         reading = SoundingReading.of(source_tables(source), Path(source).parent)
         options = FlightOptions(**(vars(self) | {"winds": [self.winds]}))
@@ -185,7 +197,10 @@ class FlightOptions(PulseOptions):
     )
 
     def soundings(self, reading: SoundingReading) -> "dict[str, SoundingRequest]":
-        """Return the soundings of the files, by name."""
+        """Return the soundings of the files of --winds, by name.
+
+        `reading`: format, time and bias of soundings.
+        """
         from tvclin.requirement.flight.request import SoundingRequest
 
         files = self.winds or []
@@ -231,7 +246,10 @@ class FlightOptions(PulseOptions):
 def _profiles(
     name: str, file: Path, reading: SoundingReading
 ) -> "Iterator[tuple[str, WindProfile]]":
-    """Yield the sounding of a file, or each of a folder or station file with its date, by name."""
+    """Yield the sounding of a file, or each of a folder or station file by its date, with its name.
+
+    `name`: name of a single sounding. `reading`: format and time of soundings.
+    """
     from tvclin.winds.soundings.igra import is_station
     from tvclin.winds.soundings.sounding_files import read_soundings
 
@@ -244,14 +262,14 @@ def _profiles(
 
 
 def azimuth_of(degrees: float | None) -> float:
-    """Return the direction of flight [rad] of --azimuth-deg, which soundings need."""
+    """Return the direction of flight [rad] of --azimuth-deg [deg]; `InputError` without it."""
     if degrees is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
     return radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg"))
 
 
 def check_reading(plan: StudyPlan) -> None:
-    """Raise `InputError` for keys of soundings in a case without any."""
+    """Raise `InputError` for keys of [sounding] in a plan without any sounding."""
     if plan.reading != NO_READING and not _has_soundings(plan):
         raise InputError("[sounding] needs a sounding: --winds FILE, or one in [[wind]]")
 
