@@ -53,9 +53,10 @@ def planar_verdict(
 ) -> Verdict:
     """Return the function from a deflection limit [rad] to whether its planar flight survives.
 
-    `frozen`: whether parameters are frozen; else they vary along the nominal flight of `condition`.
-    `wind`: one wind that ends. The other parameters are those of `fly_planar`. `InputError` in the
-    same cases as `fly_planar`, and for an aerodynamically stable vehicle.
+    `wind`: one wind that ends. `frozen`: whether parameters are frozen; else they vary along the
+    nominal flight of `condition`. `drift`: whether the path may turn. `actuator`, `rate_limit`:
+    hardware of a law, and its limit [rad/s]. `InputError` in the same cases as `fly_planar`, and
+    for an aerodynamically stable vehicle.
     """
     _check_frozen(frozen, condition)
     pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
@@ -89,8 +90,10 @@ def sixdof_verdict(
 ) -> Verdict:
     """Return the function from a deflection limit [rad] to whether its flight in JSBSim survives.
 
-    `frozen`: whether parameters are frozen; else they vary along the nominal flight of `condition`.
-    `wind`: one wind that ends. The other parameters are those of `fly_sixdof`, with its exceptions.
+    `wind`: one wind that ends. `frozen`: whether parameters are frozen; else they vary along the
+    nominal flight of `condition`. `drift`: whether the path may turn. `step`: step of JSBSim [s].
+    `earth`: the rotating Earth, in place of a flat planet. `actuator`, `rate_limit`: hardware of a
+    law, and its limit [rad/s]. Same exceptions as `fly_sixdof`.
     """
     _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)

@@ -511,9 +511,12 @@ def planar_outputs(
     actuator: Actuator | None = None,
     rate_limit: float = np.inf,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return times [s] ``(n,)`` and outputs ``(5, n)`` of a flight, without python-control.
+    """Return n times [s] and the `OUTPUTS` of a flight at them, ``(5, n)``, without python-control.
 
-    Same parameters, outputs, exceptions and warnings as `fly_planar`.
+    `control`: deflection history, law, autopilot, or the report's control. `deflection_limit`,
+    `rate_limit`: limits of deflection [rad] and rate [rad/s]. `drift`: whether the path may turn.
+    `condition`: with it, parameters vary along the nominal flight. Same exceptions and warnings as
+    `fly_planar`.
     """
     times = times_row("timepts", timepts)
     span = (float(times.min()), float(times.max()))

@@ -369,8 +369,9 @@ def fly_sampled(
 ) -> SampledFlight:
     """Return a sampled flight of a law and its outcome, for a vehicle and for the rigid vehicle.
 
-    `timepts`: times [s], ``(n,)``. `nozzle`: deflection_limit, rate_limit, actuator, sample_rate
-    and delay. Same parameters and exceptions as `fly`.
+    `plant`: one plant; its rigid one is flown too. `wind`: one wind that ends. `timepts`: times
+    [s], ``(n,)``. `nozzle`: deflection_limit, rate_limit, actuator, sample_rate and delay of `fly`,
+    with its exceptions.
     """
     plants = (plant, plant.rigid)
     cases: list[FlownCases] = [fly_many(p, law, wind, **nozzle) for p in plants]

@@ -155,9 +155,12 @@ def flight_responses(
     delay: float = 0.0,
     gain: float = 1.0,
 ) -> Responses:
-    """Return outputs and deflection of a flight as arrays, without loading python-control.
+    """Return outputs and deflection of a flight at n times as arrays, without python-control.
 
-    Same parameters, exceptions and outputs as `fly`.
+    `timepts`: times [s], ``(n,)``. `deflection_limit`, `rate_limit`: limits of deflection [rad] and
+    rate [rad/s]. `sample_rate`: samples of the law per second [Hz]; without it the law is
+    continuous. `delay`: computing delay [s]. `gain`: factor on the demand of the law. Same
+    exceptions and outputs as `fly`.
     """
     check_flight(plant, law, wind)
     times = times_row("timepts", timepts)

@@ -61,6 +61,7 @@ def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
         if not active.size:
             break
         g = _continuation(g, indices, laws)
+        # Peaks 3 and 5: deflection rate, and number of samples with a demand at the limit.
         at_rate_limit = g.now.peaks[:, 3] >= _RATE_AT_LIMIT * g.cases.rate_limit
         limited = (g.now.peaks[:, 5] > 0.0) | at_rate_limit
         quiet = np.where(limited, 0, quiet + 1)

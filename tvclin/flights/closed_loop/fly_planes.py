@@ -88,13 +88,13 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
     """Return the outcomes of m flights whose planes are stepped together until all are decided.
 
     `pair`: arrays of the flights in pitch and in yaw. `law`: law of both planes, with the limit
-    shape. `limit`: limits of the vector [rad], ``(m,)``.
+    shape. `limit`: limits of the vector [rad], ``(m,)``. Vectors are complex, pitch + j yaw.
     """
     m, order, limit_shape = limit.size, len(law.law.states[0]), law.shape
     outcomes = PlaneOutcomes(
         np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), []
     )
-    steppers, plain = [Stepper(f) for f in pair], np.ones(m)
+    steppers, at_limit = [Stepper(f) for f in pair], np.ones(m)
     last = int(max(f.cases.finish.max(initial=-1) for f in pair))
     for f in pair:
         f.cases.finish[:] = last
@@ -103,12 +103,15 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
             for stepper in steppers:
                 stepper.look(k)
-        x = _vectors(pair, lambda f: f.now.y[:, 0])[active]
-        s = _vectors(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
-        outcomes.attitude[active] = np.maximum(outcomes.attitude[active], np.abs(x))
-        outcomes.deflection[active] = np.maximum(outcomes.deflection[active], limit_shape.gauge(s))
+        attitude = _vectors(pair, lambda f: f.now.y[:, 0])[active]
+        deflection = _vectors(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
+        for peaks, sizes in (
+            (outcomes.attitude, np.abs(attitude)),
+            (outcomes.deflection, limit_shape.gauge(deflection)),
+        ):
+            peaks[active] = np.maximum(peaks[active], sizes)
         if m == 1:
-            outcomes.shown.append((complex(x[0]), complex(s[0])))
+            outcomes.shown.append((complex(attitude[0]), complex(deflection[0])))
         if k % JUDGED_SAMPLES == 0 or k == last:
             _decide(pair, limit_shape, limit, outcomes, k, k == last)
             active = np.flatnonzero(outcomes.ended < 0)
@@ -120,7 +123,7 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         command[active], at_stop = law.limited(demand, limit[active])
         outcomes.saturated[active] += at_stop
         for stepper, component in zip(steppers, (command.real, command.imag), strict=True):
-            stepper.advance(k, np.ascontiguousarray(component), plain, plain)
+            stepper.advance(k, np.ascontiguousarray(component), at_limit, at_limit)
     return outcomes
 
 

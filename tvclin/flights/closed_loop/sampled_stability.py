@@ -121,11 +121,13 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
         """Return rows of coefficients that are the same in all k flights, ``(k, rows, n)``."""
         return np.broadcast_to(rows, (k, *rows.shape[-2:]))
 
+    # Sensors: attitude, rate, path and angle of attack, the deflection, then lateral sensors.
     shown = f.vehicles.shown[vehicles, :, :n] @ x[:n]
     not_measured = np.zeros((k, MEASURED - 1 - shown.shape[1], size))
     sensed = np.concatenate(
         [shown[:, :4], spread(x[n : n + 1]), shown[:, 4:], not_measured], axis=1
     )
+    # Law: its states, the sensors and its demand give its inputs, the command and its next states.
     signals = np.concatenate([spread(law_states), sensed, spread(0.0 * x[:1])], axis=1)
     measured = per_case(f.laws.input_rows) @ signals if len(f.laws.input_rows) else sensed
     slopes = f.cases.gain[cases, np.newaxis] * _slopes(batch, f, cases)
@@ -137,6 +139,7 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
         else demand
     )
     commands = np.concatenate([command, spread(pending)], axis=1)
+    # Vehicle and nozzle: the part of a sample before the arrival of a command, then the other.
     stepped = spread(x)
     for index in range(f.steps.joint.shape[1] - 1, -1, -1):
         age = (f.steps.late[vehicles] + index)[:, np.newaxis, np.newaxis]
