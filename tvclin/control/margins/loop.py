@@ -256,7 +256,7 @@ class Loop:
         return np.full((self.form.delay.size, 1), np.inf)
 
     def aliases(self, omega: FloatArray) -> FloatArray:
-        """Return the alias [rad/s] of `omega` ``(k, m)`` [rad/s] above half the rate, else NaN."""
+        """Return NaN for frequencies `omega` ``(k, m)``: only a sampled loop has aliases."""
         return np.full(np.shape(omega), np.nan)
 
     def take(self, index: Any) -> Loop:
