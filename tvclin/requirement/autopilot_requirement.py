@@ -87,14 +87,21 @@ def autopilot_requirement(
 
 
 def counts_head(need: CaseRequirement | None) -> bool:
-    """Return whether a head wind sets the required deflection, or may set it."""
+    """Return whether a head wind sets the required deflection, or may set it.
+
+    `need`: requirement of the wind; None where none is defined, and no direction counts.
+    """
     return need is not None and (need.ratio_to_nominal > 1.0 or bool(need.unknown))
 
 
 def head_wind_boundary(
     case: Case, autopilot: Autopilot, need: CaseRequirement | None, plane_ratio: float = 1.0
 ) -> ClosedLoopBoundary | None:
-    """Return the boundary of an autopilot at the peak of a head wind; None if not flown."""
+    """Return the boundary of an autopilot at the peak of a head wind; None if not flown.
+
+    `need`: requirement of the wind of `case`; None where none is defined. `plane_ratio`: see
+    `autopilot_boundary`.
+    """
     if need is None or not counts_head(need):
         return None
     with suppress(InputError):
@@ -106,7 +113,11 @@ def head_wind_boundary(
 def autopilot_boundary(
     case: Case, plant: AnyPlant, autopilot: Autopilot, plane_ratio: float = 1.0
 ) -> ClosedLoopBoundary:
-    """Return the boundary of an autopilot, flown with the hardware of a case; its plane's part."""
+    """Return the boundary of an autopilot, flown with the hardware and the wind of a case.
+
+    `plant`: vehicle to be flown. `plane_ratio`: limit of both planes over that of this plane, by
+    which the limit in question is divided.
+    """
     fraction = (case.nozzle.limit or 0.0) / plane_ratio
     law = SaturatedLaw.of(autopilot)
     return stop_boundary(plant, law, case.history, fraction, case.hardware)
@@ -115,7 +126,8 @@ def autopilot_boundary(
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
     """Return a case at the dynamic pressure encountered at the peak of `size` times its wind.
 
-    `InputError` for a plant in state space, which is not known there, and for an unknown pressure.
+    `need`: requirement of the case, with the direction of the wind that counts. `InputError` for a
+    plant in state space, which is not known there, and for an unknown pressure.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 

@@ -275,7 +275,10 @@ class CaseRequirement:
 
 
 def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
-    """Return the requirement of a wind of one shape on a case; it raises as `Study.of`."""
+    """Return the requirement of a wind of one shape on a case; it raises as `Study.of`.
+
+    `dead_band`: K, from 0 to 1.
+    """
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
     limit_shape = (
@@ -310,7 +313,8 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
 def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | None:
     """Return the requirement in the study of a case; None where no study is defined.
 
-    There is none in a wind that is not of one shape, and beyond linear aerodynamics.
+    `dead_band`: K, from 0 to 1. There is none in a wind that is not of one shape, and beyond linear
+    aerodynamics.
     """
     try:
         need = case_requirement(case, dead_band)
@@ -320,7 +324,7 @@ def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | N
 
 
 def _unknown(required: RequiredDeflection) -> RequiredDeflection:
-    """Return a requirement with NaN deflections [rad], for winds beyond linear aerodynamics."""
+    """Return the requirement `required` with NaN [rad], for winds beyond linear aerodynamics."""
     return replace(required, deflection=np.nan, needs=dict.fromkeys(required.needs, np.nan))
 
 
@@ -342,9 +346,10 @@ def pulse_of(case: Case) -> ShapedWind:
 def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     """Return required deflections [rad] of a case in `size` times its wind, by direction.
 
-    For both planes the larger of the requirement of the planes by themselves, as a limit of the
-    limit shape, and of the requirement of the vector at nominal dynamic pressure times the larger
-    ratio of encountered to nominal requirement of the planes.
+    `need`: requirement of the case at nominal dynamic pressure. For both planes the larger of the
+    requirement of the planes by themselves, as a limit of the limit shape, and of the requirement
+    of the vector at nominal dynamic pressure times the larger ratio of encountered to nominal
+    requirement of the planes.
     """
     if need.sign == FROZEN:
         return {}
@@ -381,6 +386,7 @@ def survived_size(
 
     @cache
     def excess(x: float) -> float:
+        """Return log(requirement/limit) at the logarithm of a factor on the wind."""
         ratio = (need(float(np.exp(x))) if x else required) / limit
         return float(np.log(ratio)) if 0.0 < ratio < np.inf else np.copysign(1.0, ratio - 1.0)
 

@@ -59,7 +59,10 @@ def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
 
 
 def _heading_cosines(heading: float) -> tuple[float, float]:
-    """Return the fractions of a wind along the path, from behind, and across."""
+    """Return the fractions of a wind along the path, from behind, and across.
+
+    `heading`: direction from which the wind comes, from the direction of flight [rad].
+    """
     along, across = sines_by_heading(heading, np.pi / 2)
     return float(along), float(across)
 
@@ -196,7 +199,11 @@ def encountered_requirements(
 def largest_pressure(
     wind: ShapedWind, vehicle: Vehicle, plane: str, name: str, size: float = 1.0
 ) -> float:
-    """Return the largest q/q_n that a vehicle encounters; same arguments as `encountered_wind`."""
+    """Return the largest ratio q/q_n of dynamic pressures that a vehicle encounters in a wind.
+
+    `plane`: plane of the wind angle. `name`: direction of the wind, such as "head". `size`: factor
+    on the wind.
+    """
     encountered = encountered_wind(wind, vehicle, plane, name, size)
     encountered.check_possible()
     return float(
@@ -262,7 +269,10 @@ def encountered_batch(
 
 
 def _of_ensemble(winds: History, vehicle: Vehicle, plane: str) -> EncounteredWind:
-    """Return measured winds, whose angles have their sign along the path, as encountered."""
+    """Return measured winds, whose angles have their sign along the path, as encountered.
+
+    `vehicle`: vehicle, or batch of the winds. `plane`: plane of their angles.
+    """
     in_pitch = float(plane == "pitch")
     direction = np.asarray(in_pitch), np.asarray(1.0 - in_pitch)
     path = np.asarray(vehicle.attitude)

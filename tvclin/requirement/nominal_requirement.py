@@ -184,9 +184,9 @@ def required_deflection(
 def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> BoolArray:
     """Return whether `required_deflection` may be zero or infinite, ``(...)``, without flights.
 
-    The limited trim law requires an infinite limit on a quick path alone: else its flights end with
-    the wind, where the highest limit, above all trim and above the demand at the end, is sufficient
-    (`time_varying`).
+    `plant` and `wind` are a batch or one each. `dead_band`: K, from 0 to 1. The limited trim law
+    requires an infinite limit on a quick path alone: else its flights end with the wind, where the
+    highest limit, above all trim and above the demand at the end, is sufficient (`time_varying`).
     """
     boundary = boundary_limit(plant, wind, dead_band, "literal")
     counted = 1.0 if dead_band == 1.0 else 0.0  # the minimum after trim, 0 < K < 1, is finite
@@ -196,7 +196,11 @@ def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> Bo
 
 
 def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -> FloatArray:
-    """Return the required deflections [rad] of the trim law with K in some cases, else zero."""
+    """Return the required deflections [rad] of the trim law with K in some cases, else zero.
+
+    `plant`, `wind`: of the batch. `cases`: whether a case is computed, of the shape of the batch.
+    `dead_band`: K, above zero.
+    """
     which = np.flatnonzero(cases)
     if not which.size:
         return np.zeros(cases.shape)
@@ -251,7 +255,10 @@ def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: Arra
 
 
 def covers(limit: ArrayLike, needed: ArrayLike) -> Any:
-    """Return whether a limit is at least the required one, but for rounding; sizes both."""
+    """Return whether a limit is at least the required one, but for rounding.
+
+    `limit`, `needed`: sizes [rad] of any shapes that broadcast.
+    """
     return np.asarray(limit) >= np.asarray(needed) * (1.0 - 4.0 * np.finfo(float).eps)
 
 
@@ -322,7 +329,11 @@ class KnownWind(Shown):
         horizon: float | None = None,
         rate_limit: float | None = None,
     ) -> Self:
-        """Return the optimum of a plant in a wind; arguments and errors of its two functions."""
+        """Return the optimum of a plant in a wind; arguments and errors of its two functions.
+
+        `start`: first time [s] of the deflection. `horizon`: time [s] from which it is zero, by
+        default never. `rate_limit` [rad/s]: also with this limit.
+        """
         best = optimum_deflection(plant, wind, start, horizon)
         if rate_limit is None:
             return cls(plant, wind, best)
@@ -373,8 +384,8 @@ class KnownWind(Shown):
     ) -> Table:
         """Return the table of the required deflection by dead band, ``(n,)``, and of the minimum.
 
-        `required`: requirement of the wind at these dead bands, or None. What sets it has
-        a column where that is not the boundary of the control throughout.
+        `caption`: its caption. `required`: requirement of the wind at these dead bands, or None.
+        What sets it has a column where that is not the boundary of the control throughout.
         """
         head: tuple[str, ...] = ("dead band", "required [deg]", "over trim", "set by")
         rows: list[tuple[Line, ...]] = []
@@ -398,7 +409,10 @@ class KnownWind(Shown):
         return f"{WIND_KNOWN}: {peak}; no control survives this wind with less"
 
     def table(self, caption: str) -> Table:
-        """Return the peak, its certificate, and the numbers it is compared with."""
+        """Return the table of the peak, its certificate, and the numbers it is compared with.
+
+        `caption`: its caption.
+        """
         best, proof = self.best, self.best.certificate
         peak = degrees("optimum.peak", best.peak, unit="deg")
         if self.fraction_of_trim is not None:

@@ -51,7 +51,11 @@ class VectorRequirement:
 def vector_requirements(
     pitch: Plant, yaw: Plant, wind: PlaneWind, limit_shape: LimitShape, dead_bands: FloatArray
 ) -> VectorRequirement:
-    """Return the requirements of a wind vector that ends; zeros where (4b) has no vector."""
+    """Return the requirements of a wind vector that ends; zeros where (4b) has no vector.
+
+    `pitch`, `yaw`: plant of each plane. `limit_shape`: limit in both planes. `dead_bands`: K,
+    ``(k,)``.
+    """
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
     from tvclin.boundary.plane_limits import two_plane_requirement
 
@@ -130,6 +134,7 @@ def two_plane_requirement(
 ) -> TwoPlaneRequirement:
     """Return the requirement of both planes; `InputError` as `required_deflection`.
 
+    `plants`: plant of each plane. `limit_shape`: limit in both planes. `dead_band`: K, from 0 to 1.
     Plants and winds broadcast; the vectors of a batch are solved case by case.
     """
     separate = separate_requirements(plants, wind, dead_band)
@@ -148,7 +153,10 @@ def two_plane_requirement(
 def separate_requirements(
     plants: dict[str, Plant], wind: PlaneWind, dead_band: float
 ) -> dict[str, FloatArray]:
-    """Return the required deflection of each plane by itself [rad]; zero in a calm."""
+    """Return the required deflection of each plane by itself [rad]; zero in a calm.
+
+    `plants`: plant of each plane. `dead_band`: K, from 0 to 1. Plants and winds broadcast.
+    """
     winds = {plane: getattr(wind, plane) for plane in PLANES}
     return {
         plane: np.abs(required_deflection(plants[plane], history, dead_band).deflection)
@@ -174,7 +182,8 @@ def _vector(
 ) -> float:
     """Return the required limit [rad] of one wind vector of a batch, at least `by_planes` [rad].
 
-    `plants`: plants by plane. `case`: flat position of the vector in the batch of this `shape`.
+    `plants`: plants by plane. `limit_shape`: limit in both planes. `dead_band`: K, from 0 to 1.
+    `case`: flat position of the vector in the batch of this `shape`.
     """
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
     from tvclin.boundary.plane_limits import vector_requirement
@@ -195,7 +204,11 @@ def heading_requirement(
     limit_shape: LimitShape | None,
     dead_band: float,
 ) -> TwoPlaneRequirement:
-    """Return the requirement of both planes in a wind with a heading; the default stop is round."""
+    """Return the requirement of both planes in a wind with a heading.
+
+    `model`: linear model of the vehicle. `limit_shape`: limit in both planes, by default a circle.
+    `dead_band`: K, from 0 to 1.
+    """
     peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
     plane_wind = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
@@ -207,7 +220,9 @@ def direction_notes(
 ) -> Iterator[str]:
     """Yield notes on the effect of the direction of a wind; none without a direction.
 
-    `calm`: whether the nominal dynamic pressure counts, at which `planes` are.
+    `planes`: requirement of both planes; None without a direction. `judged`: whether the verdict is
+    on both planes, or on `plane` alone. `calm`: whether the nominal dynamic pressure counts, at
+    which `planes` are.
     """
     if planes is None:
         return
@@ -228,7 +243,11 @@ def direction_notes(
 
 
 def omitted_fraction(separate: ArrayLike, both_planes: ArrayLike) -> FloatArray:
-    """Return the fraction of the requirement of both planes that one omits; zero without any."""
+    """Return the fraction of the requirement of both planes that one omits; zero without any.
+
+    `separate`: requirement of the plane by itself [rad]. `both_planes`: that of both, in any shapes
+    that broadcast.
+    """
     plane, planes = np.asarray(separate, dtype=float), np.asarray(both_planes, dtype=float)
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(planes > 0.0, 1.0 - plane / planes, 0.0 * planes)

@@ -82,12 +82,15 @@ class Requirement:
         return self.label.replace(" = ", "").replace(", ", "_").replace(" ", "_")
 
     def __str__(self) -> str:
+        """Return the label."""
         return self.label
 
     def __eq__(self, other: object) -> bool:
+        """Return whether another requirement, or a text, has this label."""
         return str(other) == self.label if isinstance(other, Requirement | str) else NotImplemented
 
     def __hash__(self) -> int:
+        """Return the hash of the label, which a text with this label has too."""
         return hash(self.label)
 
 
@@ -110,7 +113,11 @@ def in_wind(direction: str) -> str:
 def requirement_among(
     argument: str, requirement: Requirement | str, available: Iterable[Requirement]
 ) -> Requirement:
-    """Return the requirement in `available` with this label; `InputError` for another label."""
+    """Return the requirement in `available` with this label; `InputError` for another label.
+
+    `argument`: name of the argument in the error. `requirement`: the label, or a requirement with
+    it.
+    """
     by_label = {quantity.label: quantity for quantity in available}
     label = requirement.label if isinstance(requirement, Requirement) else requirement
     return by_label[one_of(argument, label, by_label)]

@@ -77,7 +77,10 @@ def uncounted_sign(sign: str | None) -> str:
 
 
 def along_the_path(need: CaseRequirement) -> Iterator[str]:
-    """Yield a note on a sign of a cross wind, or a changed pressure in the pitch plane."""
+    """Yield a note on a sign of a cross wind, or a changed pressure in the pitch plane.
+
+    `need`: requirement of the wind of the study.
+    """
     if need.sign in SIGNS and need.direction == CROSS:
         yield uncounted_sign(need.sign)
     if need.plane != "pitch" or abs(float(need.history.peak)) <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:
@@ -90,7 +93,10 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
 
 
 def nominal_pressure(case: Case) -> Iterator[str]:
-    """Yield a note on the rise of the dynamic pressure in a head wind over the nominal one."""
+    """Yield a note on the rise of the dynamic pressure in a head wind over the nominal one.
+
+    `case`: with a wind in the pitch plane; no note for other planes.
+    """
     peak = abs(float(getattr(case.wind, "peak", 0.0)))
     if (
         case.plane != "pitch"
@@ -107,7 +113,10 @@ def nominal_pressure(case: Case) -> Iterator[str]:
 
 
 def gust_placed(specified: ShapedWind, placed: ShapedWind) -> Iterator[str]:
-    """Yield the time of a gust that was placed where it requires most."""
+    """Yield a note on the time of a gust that was placed where it requires most.
+
+    `specified`: wind of the case. `placed`: wind with its gust at that time.
+    """
     if specified.gust_at is None and placed.gust_at is not None:
         yield (
             f"the gust is at the worst time, {placed.gust_at:.4g} s (peak_time_s in"
@@ -118,7 +127,10 @@ def gust_placed(specified: ShapedWind, placed: ShapedWind) -> Iterator[str]:
 def slow_or_paired(
     plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
 ) -> Iterator[str]:
-    """Yield a note on a pair of unstable modes, or a wind too long for the single-pole theory."""
+    """Yield a note on a pair of unstable modes, or a wind too long for the single-pole theory.
+
+    `required`: requirement of the wind `wind` on `plant`. `dead_band`: K, from 0 to 1.
+    """
     if required.status == PAIRED_POLES:
         yield (
             "two unstable poles are a pair or equal here, and no limit satisfies condition (4b) of"
@@ -136,7 +148,10 @@ def slow_or_paired(
 
 
 def unstable_modes_omitted(plant: Plant, modes: dict[str, Modes]) -> Iterator[str]:
-    """Yield a note where the exact model has unstable modes that this model omits."""
+    """Yield a note where the exact model has unstable modes that the model of `plant` omits.
+
+    `modes`: unstable modes by model.
+    """
     name = DEFAULT_MODEL
     if plant.model not in ONE_POLE or name not in modes:
         return
@@ -151,7 +166,10 @@ def unstable_modes_omitted(plant: Plant, modes: dict[str, Modes]) -> Iterator[st
 def forecast_trusted(
     required: RequiredDeflection, dead_band: float, free: ForecastFreeLimit | None
 ) -> Iterator[str]:
-    """Yield a note where the required limit is below the bound of laws without a forecast."""
+    """Yield a note where the required limit is below the bound of laws without a forecast.
+
+    `dead_band`: K, from 0 to 1. `free`: that bound; None where it is not defined.
+    """
     if free is None or dead_band == 1.0:
         return
     bound = abs(float(free.deflection))
@@ -165,7 +183,11 @@ def forecast_trusted(
 def undamped(
     plant: Plant, wind: Any, required: RequiredDeflection, dead_band: float
 ) -> Iterator[str]:
-    """Yield a note where a vehicle without damping requires less, because its pole is faster."""
+    """Yield a note where a vehicle without damping requires less, because its pole is faster.
+
+    `required`: requirement of the wind `wind` on `plant`, without damping. `dead_band`: K, from 0
+    to 1.
+    """
     c = plant.coefficients
     if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
         return
@@ -501,7 +523,8 @@ def _bounds_by_model(
 ) -> dict[str, Any]:
     """Return boundary limits, bounds without a forecast and minimum peaks [rad], each by model.
 
-    Models for which a bound is not defined are omitted from it.
+    `plants`: plant of each model. `dead_bands`: K, ``(k,)``. `switch`: when the dead band is left,
+    "literal" or "report". Models for which a bound is not defined are omitted from it.
     """
     optima = _where_defined(_optimum, plants, wind)
     return {
@@ -517,7 +540,10 @@ def _bounds_by_model(
 
 
 def _unknown(needed: dict[str, Any]) -> dict[str, Any]:
-    """Return boundaries and bounds with NaN [rad], for winds beyond linear aerodynamics."""
+    """Return boundaries and bounds with NaN [rad], for winds beyond linear aerodynamics.
+
+    `needed`: as `_bounds_by_model` returns them.
+    """
     unknown = {
         key: {k: replace(x, deflection=x.deflection * np.nan) for k, x in needed[key].items()}
         for key in ("boundaries", "forecast_free")
@@ -526,7 +552,7 @@ def _unknown(needed: dict[str, Any]) -> dict[str, Any]:
 
 
 def _optimum(plant: Plant, wind: History) -> Optimum:
-    """Return the minimum peak of a control from t = 0 on, or from the earlier onset of a gust."""
+    """Return the optimum of the wind: the control acts from t = 0 on, or from an earlier onset."""
     return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
 
 
@@ -542,5 +568,5 @@ def _where_defined(
 
 
 def outlasts_single_pole(study: Study) -> bool:
-    """Return whether the wind lasts longer than `single_pole_validity` allows."""
+    """Return whether the wind of a study lasts longer than `single_pole_validity` allows."""
     return bool(study.wind.duration > single_pole_validity(study.coefficients))

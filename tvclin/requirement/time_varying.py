@@ -173,7 +173,7 @@ def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
 def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> FloatArray:
     """Return times [s] at begin, middle and end of even steps over a span [s], ``(1, S, 3)``.
 
-    `parts`: number of substeps of each step.
+    `motion`: its fastest rate sets their length. `parts`: number of substeps of each step.
     """
     count = max(
         np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _MIN_RATE_PER_S) / _EVEN_STEP), 32
@@ -187,8 +187,8 @@ def encountered_at_steps(
 ) -> tuple[FloatArray, ...]:
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
-    `encountered`: winds, or a sequence of winds with the same number of steps. `parts`: see
-    `step_times`.
+    `motion`: its breakpoints and fastest rate set the steps. `encountered`: winds, or a sequence of
+    winds with the same number of steps. `parts`: see `step_times`.
     """
     if isinstance(encountered, Sequence):
         winds = [encountered_at_steps(motion, wind, parts) for wind in encountered]
@@ -209,7 +209,8 @@ def with_calm_after(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
 
-    `times`, `wind`, `ratio`: see `encountered_at_steps`; times may be common, ``(1, S, 3)``.
+    `equations`: of n cases, or common to all. `times`, `wind`, `ratio`: see `encountered_at_steps`;
+    times may be common, ``(1, S, 3)``.
     """
     count = int(steps_after(equations).max())
     rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)
@@ -223,8 +224,8 @@ def with_calm_after(
 def steps_after(equations: Equations) -> IndexArray:
     """Return the number of steps of flights of the limited law after the wind, ``(n,)``.
 
-    The number is zero on a slow path, on which the law returns to equilibrium whenever the limit
-    permits.
+    `equations`: of n cases. The number is zero on a slow path, on which the law returns to
+    equilibrium whenever the limit permits.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         slower = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
@@ -313,7 +314,9 @@ def _exits(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return minimum peaks [rad] over several modes, and limits [rad] and times [s] of exits.
 
-    All are ``(n,)``. Peaks are zero where they are not known, limits with K = 1.
+    `equations`: of n cases, or common to all. `march`: see `peaks_over_modes`. `trim_and_demand`:
+    curves of trim and demand. `dead_band`: K, from 0 to 1. All returned are ``(n,)``. Peaks are
+    zero where they are not known, limits with K = 1.
     """
     shape = len(trim_and_demand.trim)
     minimum, limit, time = np.zeros((3, shape))
@@ -342,7 +345,8 @@ def peaks_over_modes(
 ) -> Iterator[tuple[IndexArray, FloatArray]]:
     """Yield cases with several unstable modes, and their `minimum_peaks` [rad], ``(k, S + 1)``.
 
-    `march`: times, wind, ratio and onset of `curves`; `path`: see `Curves`.
+    `equations`: of n cases, or common to all. `march`: times, wind, ratio and onset of `curves`;
+    `path`: see `Curves`. `trim_ratios`: see `Curves.trim_ratios`; None for K = 1 and 0.
     """
     steps, end, _ = _columns(equations, *march)
     for modes in equations.modes:
@@ -358,8 +362,10 @@ def batch_requirements(
 ) -> FloatArray:
     """Return the required deflections [rad] of a batch of winds, ``(n,)``.
 
-    NaN for a wind that is too long to be marched, and where the dynamic pressure is not known.
-    Winds with the same steps are marched together, so that no case depends on others.
+    `equations`: of n cases, or common to all. `encountered`: winds of the batch, or one.
+    `dead_band`: K, from 0 to 1. NaN for a wind that is too long to be marched, and where the
+    dynamic pressure is not known. Winds with the same steps are marched together, so that no case
+    depends on others.
     """
     count = max(len(equations.end), encountered.count)
     counts = step_counts(encountered.history, equations)
@@ -388,7 +394,9 @@ def _of_flights(
 ) -> FloatArray:
     """Return the required deflections [rad] with K = 1, ``(n,)``, by flights where these decide.
 
-    `limit`: limits [rad] of the curves `trim_and_demand`. `minimum`: minimum peaks [rad].
+    `motion`: vehicle, with its equations at any times; `equations` are those at the steps.
+    `encountered`: winds as the vehicle encounters them. `limit`: limits [rad] of the curves
+    `trim_and_demand`. `minimum`: minimum peaks [rad].
 
     For an aerodynamically stable vehicle with an unstable path the law may not return the path to
     equilibrium with any limit: flights then end with the wind, where the limit must reduce the
@@ -423,6 +431,7 @@ def decided_by_flights(
 ) -> tuple[BoolArray, FloatArray]:
     """Return whether flights decide the requirement for K = 1, and the lowest limits to try [rad].
 
+    `equations`: of n cases, or common to all. `trim_and_demand`: curves of trim and demand.
     `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it with
     both signs, where the path drifts and is quick, or trim crosses it more than once, and where
     mu_alpha changes its sign, since the demand of a constant deflection is no bound then.
@@ -453,14 +462,17 @@ class LimitedFlights:
     onset: FloatArray | None = None
 
     def select(self, cases: IndexArray) -> LimitedFlights:
-        """Return the flights through the winds with these indices."""
+        """Return the flights through the winds with the indices `cases`."""
         equations = self.equations if len(self.equations.end) == 1 else self.equations.of(cases)
         times = self.times if len(self.times) == 1 else self.times[cases]
         onset = None if self.onset is None else self.onset[cases]
         return LimitedFlights(equations, times, self.wind[cases], self.ratio[cases], onset)
 
     def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
-        """Return whether flights through k winds diverge with limits [rad], ``(k, tries)``."""
+        """Return whether flights through k winds diverge with limits [rad], ``(k, tries)``.
+
+        `cases`: indices of these winds, by default all.
+        """
         selected = self if isinstance(cases, slice) else self.select(cases)
         order, diverged = selected.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
         columns = _columns(

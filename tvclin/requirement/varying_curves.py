@@ -162,6 +162,7 @@ class Curves:
         case = case[which]
 
         def rises(position: FloatArray, k: IndexArray) -> FloatArray:
+            """Return trim minus demand [rad], rising, at a position in steps."""
             gap = self.trim_at(case[k], position) - self.demand_at(case[k], position)
             return np.asarray(rising[k] * gap)
 
@@ -214,7 +215,11 @@ class Curves:
     def _exit_from(
         self, demand: FloatArray, slope: FloatArray, dead_band: float
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the limit [rad] and the time [s] of the exit of a dead band, with any demand."""
+        """Return the limit [rad] and the time [s] of the exit of a dead band, with any demand.
+
+        `demand`: at begin, middle and end of steps [rad], ``(n, S, 3)``. `slope`: of the demand at
+        begin and end [rad/s], ``(n, S, 2)``. `dead_band`: K, above zero.
+        """
         limit, position = np.empty(len(demand)), np.empty(len(demand))
         arrays = self._lengths, self.trim, demand, slope, self.sign
         work = self._lengths.size
@@ -235,9 +240,9 @@ class Curves:
     def trim_ratios(self, dead_band: float) -> FloatArray:
         """Return trim over K [rad] at begins of steps and the end of the last, ``(n, S + 1)``.
 
-        Infinite where trim is at no new height, and NaN after the step of its last new height:
-        `limit_with_minimum` does not depend on the minimum there, nor before the last time at which
-        the minimum is above this.
+        `dead_band`: K, above zero. Infinite where trim is at no new height, and NaN after the step
+        of its last new height: `limit_with_minimum` does not depend on the minimum there, nor
+        before the last time at which the minimum is above this.
         """
         trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)
         new, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
@@ -283,7 +288,11 @@ def _parabola(values: FloatArray, u: FloatArray) -> FloatArray:
 
 
 def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatArray) -> FloatArray:
-    """Return values of Hermite's cubic of end values and end slopes, at fractions u of steps."""
+    """Return values of Hermite's cubic of end values and end slopes, at fractions u of steps.
+
+    `values`: at begin, middle and end of steps, ``(..., 3)``, of which the ends count. `slopes`: at
+    begin and end, ``(..., 2)``. `length`: of the steps [s].
+    """
     a, b = values[..., 0], values[..., 2]
     s, e = length * slopes[..., 0], length * slopes[..., 1]
     quadratic, cubic = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e

@@ -217,7 +217,7 @@ class Equations:
 
     @classmethod
     def frozen(cls, vehicle: Vehicle, model: str, plane: str) -> Self:
-        """Return the constant equations of one vehicle, or a batch ``(n,)``, of a model."""
+        """Return the constant equations of one vehicle, or a batch ``(n,)``, of a model in a plane."""
         return cls._of(
             [Plant.from_vehicle(at_pressure(vehicle, r), model, plane) for r in PRESSURES]
         )
@@ -271,6 +271,7 @@ class Equations:
         """Return the equations of selected cases."""
 
         def selected(x: Any) -> Any:
+            """Return the rows of the cases, or the one row that all cases share."""
             return x if len(x) == 1 else x[cases]
 
         modes = (modes if len(self.end) == 1 else modes.of(cases) for modes in self.modes)
@@ -305,7 +306,10 @@ class Equations:
 
 
 def has_quick_path(plant: Plant) -> BoolArray:
-    """Return whether the path is unstable, or b1 or a second pole comparable with the fastest."""
+    """Return whether the path of plants is quick, ``(...)``.
+
+    It is where the path is unstable, or b1 or a second pole comparable with the fastest.
+    """
     poles = unstable_poles(plant)
     if plant.model == "fixed-path" or not poles.shape[-1]:
         return np.zeros(plant.batch, dtype=bool)
