@@ -217,7 +217,7 @@ class Equations:
 
     @classmethod
     def frozen(cls, vehicle: Vehicle, model: str, plane: str) -> Self:
-        """Return the constant equations of one vehicle, or a batch ``(n,)``, of a model in a plane."""
+        """Return the constant equations of vehicles, one or ``(n,)``, of a model in a plane."""
         return cls._of(
             [Plant.from_vehicle(at_pressure(vehicle, r), model, plane) for r in PRESSURES]
         )
