@@ -51,12 +51,15 @@ class _Late(Mapping[str, Any]):
     """The commands by name, each loaded when it is looked up."""
 
     def __iter__(self) -> Iterator[str]:
+        """Yield the names of all commands."""
         return iter(NAMES)
 
     def __len__(self) -> int:
+        """Return the number of commands."""
         return len(NAMES)
 
     def __getitem__(self, name: str) -> Any:
+        """Return the command with a name, whose file is then loaded."""
         from tvclin.cli.options import grouped
         from tvclin.cli.settings import settable
 
@@ -165,6 +168,7 @@ class Commands(TyperGroup):
         from tvclin.cli.output import notes_last
 
         def tell(sentence: str) -> None:
+            """Print a warning on stderr."""
             _say(f"Warning: {sentence}")
 
         with _input_errors_as_messages(ctx), pass_warnings(tell, machine=tell), notes_last():
@@ -187,6 +191,7 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def run(*arguments: Any, **options: Any) -> None:
+        """Run the command."""
         import numpy as np
 
         from tvclin.kernels.choice import in_a_command
@@ -315,6 +320,7 @@ def _top(
         typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
     ] = False,
 ) -> None:
+    """Take the option --version, whose callback does the work."""
     del version  # its callback has done the work
 
 

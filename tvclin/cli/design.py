@@ -429,6 +429,7 @@ class _Answer:
         tables = (rules,) if self.in_box is None else (self.in_box.worst.table(),)
 
         def details() -> None:
+            """Print autopilot, margins, bounds, the search for gains, and the rules of a box."""
             print_autopilot("Autopilot", self.margins.autopilot, self.case.plant)
             print_tables(*margin_tables(self.margins))
             if self.margins.whole.stable:

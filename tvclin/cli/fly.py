@@ -92,6 +92,7 @@ class WhatFlies:
     )
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for an unknown engine or law."""
         if self.engine is not None:
             one_of("--engine", self.engine, _ENGINES)
         one_of("--law", self.law or REPORT, [REPORT, *LAWS, ALL])
@@ -304,6 +305,7 @@ class _Answer:
         notes = (*linear_notes(self.peak), *limit_warnings(self.trials), LEGEND)
 
         def details() -> None:
+            """Print the tables below the answer."""
             print_tables(*others, load_table(self.trials))
             if self.plant.structure is not None:
                 say(parts_line(self.plant.structure))

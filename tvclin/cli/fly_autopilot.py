@@ -395,13 +395,13 @@ class AutopilotFlight:
             tables.append(self.compared.deflections(title, stop))
         if self.flight is not None:
             tables.insert(0 if self.limit is not None else 1, self.flight.table())
-        requirement = f"{REQUIREMENT}: {self._requirement}"
-        notes = [*self._judged(), *self.notes]
+        requirement, notes = f"{REQUIREMENT}: {self._requirement}", [*self._judged(), *self.notes]
         verdict = requirement
         if self.limit is not None:
             verdict, notes = self._verdict, [requirement, *notes]
 
         def details() -> None:
+            """Print the comparison with trim, the motion, the autopilot and its bounds."""
             print_tables(*tables[1:])
             if stable:
                 uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"

@@ -371,14 +371,14 @@ class _Answer:
                 f" {case.hardware['sample_rate']:g} Hz"
             )
             tables.append(flown_table(self.in_wind, title))
-            notes = [
+            said = (
                 f"the limit is {self.in_wind.limit:.4g} of full trim, {self.in_wind.spare:.4g}"
-                " times the boundary of the autopilot",
-                *self.in_wind.notes,
-                *notes,
-            ]
+                " times the boundary of the autopilot"
+            )
+            notes = [said, *self.in_wind.notes, *notes]
 
         def details() -> None:
+            """Print the stability of detuned modes, the autopilot and its bounds."""
             if self.detuned is not None:
                 say_lines(self.detuned.stability_lines)
             print_autopilot("Autopilot", loop.autopilot, case.plant)

@@ -294,6 +294,7 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def run(**values: Any) -> None:
+        """Run the command with the values of its options, which `_expanded` puts together."""
         call(values)
 
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
@@ -323,6 +324,7 @@ def _expanded(
             takers[name] = partial(_pop_value, name)
 
     def call(values: dict[str, Any]) -> Any:
+        """Call the command or make the group with its options, which are removed from `values`."""
         return made(**{name: taker(values) for name, taker in takers.items()})
 
     return shown, call

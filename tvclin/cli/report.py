@@ -49,6 +49,7 @@ def report(
 
     # The page is made within, so that a place that cannot be written is refused before the work.
     def write(target: str) -> None:
+        """Write the page into the file `target`, and keep its findings."""
         page, result = page_of(plan, progress, Path(source).name if source else "example")
         Path(target).write_text(page, encoding="utf-8", newline="")
         findings.append(result)

@@ -82,6 +82,7 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
 
     @wraps(command)
     def run(**values: Any) -> None:
+        """Run the command with keys of --set, and the azimuth, in its source."""
         settings = pairs(values.pop(_PARAMETER) or ())
         if settings:
             values[source] = _edited(values[source], settings)

@@ -55,6 +55,7 @@ class PulseOptions(_Pulse):
     panel = "Wind"
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for two peaks."""
         if self.peak_deg is not None and self.peak_speed is not None:
             raise InputError("give --peak-deg or --peak-speed, not both")
 
