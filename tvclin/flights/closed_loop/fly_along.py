@@ -110,6 +110,11 @@ class FlightAlong(Tabled):
     def largest(self, output: str) -> Largest:
         """Return the value of largest size of an output, at `times`, and its time.
 
+        Parameters
+        ----------
+        output : str
+            Name in `outputs`, such as "deflection".
+
         Raises
         ------
         InputError
