@@ -204,7 +204,10 @@ def test_a_dead_band_without_an_exit_is_noted_where_poles_are_a_pair_during_a_wi
     along, frozen = sizing.required["K = 0.5, varying"][:, 0], sizing.required["K = 0.5"][:, 0]
     assert along[0] > 4.0 * frozen[0]
     assert along[1] < 1.2 * frozen[1]
-    assert "at 20 s, parameters varying: two unstable poles are a pair" in " ".join(sizing.notes)
+    notes = " ".join(sizing.notes)
+    assert "at 20 s, parameters varying: two unstable poles are a pair" in notes
+    assert "K = 1 then counts all of trim there" in notes
+    assert "K < 1 requires the largest trim over K" in notes
 
 
 def test_what_is_doubtful_is_said(configuration_i) -> None:

@@ -21,6 +21,7 @@ from tvclin.ensembles.availability.availability_record import Availability, scal
 from tvclin.ensembles.availability.judge import STOPS, Judge
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS
 from tvclin.requirement.encountered_requirement import uses_encountered_pressure
+from tvclin.requirement.flight.flight_requirement import WHOLE_TRIM
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import checked_gust
@@ -256,6 +257,9 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
             f"the aerodynamic moment changes its sign at {turns} s: flights of the trim law through"
             " all of the wind decide"
         )
+    span = judged.path.time[0], judged.path.time[-1]
+    if any(march.motion.has_pair(*span) for march in judged.marches.values()):
+        notes.append(f"two unstable poles are a pair or equal for a while; K = 1 {WHOLE_TRIM}")
     stable = judged.path.time[-1] if judged.marches else first
     if stable < last:
         notes.append(

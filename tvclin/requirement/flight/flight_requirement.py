@@ -60,6 +60,8 @@ _STEP_OVER_TIME_CONSTANT = 0.1
 """Length of a step times the fastest rate of the attitude."""
 _MAX_STEPS = 100_000
 """Largest number of steps along a flight."""
+WHOLE_TRIM = "counts all of trim there, which may be more than a control requires"
+"""What K = 1 requires while two unstable poles are a pair, in words."""
 _MAX_ROW_STEP_S = 0.5
 """Longest time [s] between two rows at which the poles of the vehicle are computed."""
 
@@ -211,9 +213,23 @@ class FlightMode:
         It has none where poles are a pair during the wind, or the moment changes its sign up to the
         time at which flights are judged.
         """
+        return not (self._changes_sign(begin, end) or self.has_pair(begin, end))
+
+    def has_pair(self, begin: float, end: float) -> bool:
+        """Return whether trim must never be limited for a while in a wind, since poles are a pair.
+
+        `begin`, `end`: times of the wind [s]. Where the moment changes its sign flights decide.
+        """
+        within = (begin <= self.paired_times) & (self.paired_times <= end)
+        return bool(np.any(within)) and not self._changes_sign(begin, end)
+
+    def _changes_sign(self, begin: float, end: float) -> bool:
+        """Return whether the moment changes its sign from the begin of a wind [s] on.
+
+        It counts up to the time at which flights through a wind that ends at `end` [s] are judged.
+        """
         judged = self.judged_at(np.array(end))
-        changes = np.any((begin < self.sign_changes) & (self.sign_changes < judged))
-        return not (changes or np.any((begin <= self.paired_times) & (self.paired_times <= end)))
+        return bool(np.any((begin < self.sign_changes) & (self.sign_changes < judged)))
 
     @cached_property
     def quick_path(self) -> bool:

@@ -22,6 +22,7 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant
 from tvclin.requirement.flight.flight_requirement import (
+    WHOLE_TRIM,
     FlightMode,
     FlightRequirement,
     flight_requirements,
@@ -467,23 +468,28 @@ def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list
 def _without_exit(
     mode: FlightMode, times: FloatArray, placed: list[list[PlacedWind]], bands: FloatArray
 ) -> list[str]:
-    """Return a message where the dead band of K < 1 has no exit in a wind, empty elsewhere.
+    """Return messages where trim counts whole in a wind, since poles are a pair or mu_alpha turns.
 
     `mode`: unstable mode along the flight. `times`: flight times [s] of the rows of winds in
     `placed`. `bands`: all K.
     """
-    at = [
-        time
-        for time, row in zip(times.tolist(), placed, strict=True)
-        if not all(wind.calm or mode.has_exit(*wind.span) for wind in row)
-    ]
-    if not at or np.all(bands == 1.0):
-        return []
-    return [
-        f"at {flight_times(at)}, parameters varying: two unstable poles are a pair or equal during"
-        " a wind, or the aerodynamic moment changes its sign; K < 1 then requires the largest trim"
-        " over K, so that the dead band has no exit"
-    ]
+    spans = [[wind.span for wind in row if not wind.calm] for row in placed]
+    rows = list(zip(times.tolist(), spans, strict=True))
+    paired = [time for time, row in rows if any(mode.has_pair(*span) for span in row)]
+    at = [time for time, row in rows if not all(mode.has_exit(*span) for span in row)]
+    messages = []
+    if paired:
+        messages.append(
+            f"at {flight_times(paired)}, parameters varying: two unstable poles are a pair or equal"
+            f" during a wind; K = 1 then {WHOLE_TRIM}"
+        )
+    if at and np.any(bands < 1.0):
+        messages.append(
+            f"at {flight_times(at)}, parameters varying: with such poles, or where the aerodynamic"
+            " moment changes its sign, K < 1 requires the largest trim over K, so that the dead"
+            " band has no exit"
+        )
+    return messages
 
 
 def _flight_mode(
