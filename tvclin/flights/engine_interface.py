@@ -146,7 +146,10 @@ OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack", 
 
 
 def warn_of_the_end(time: float) -> None:
-    """Warn the caller that a flight left the range of its model at a time [s]."""
+    """Warn that a flight left the range of its model, attitudes up to 25 degrees, at a time [s].
+
+    The warning names the line that called the caller, which is the user's.
+    """
     warnings.warn(
         f"the flight ends at t = {time:.6g} s, where its attitude is more than 25 deg from the"
         " nominal: beyond, the model holds no longer",
@@ -163,15 +166,17 @@ _MIN_FALL_RATE = 0.1
 def verdict_time(wind: History | PlaneWind, pole: float) -> float:
     """Return the time [s] of the verdict on a flight that stays within the range of its model.
 
-    `wind`: one wind that ends. `pole`: unstable pole of the vehicle [1/s].
+    It is 12 times 1/pole after the wind: by then deviations at its end have grown by e^12. `wind`:
+    one wind that ends. `pole`: unstable pole of the vehicle [1/s].
     """
     return float(wind.end) + _VERDICT_TIME_TIMES_POLE / pole
 
 
 def has_fallen(rate: float, peak: float, pole: float) -> bool:
-    """Return whether a late attitude rate [rad/s] means a fall.
+    """Return whether a late attitude rate [rad/s], positive in the direction of a fall, means one.
 
-    `peak`: peak of the wind [rad]. `pole`: unstable pole of the vehicle [1/s].
+    It does above a tenth of pole times peak of the wind. `peak`: peak of the wind [rad]. `pole`:
+    unstable pole of the vehicle [1/s].
     """
     return rate > _MIN_FALL_RATE * pole * abs(peak)
 
@@ -183,8 +188,9 @@ def verdict_of(
 
     `late_rate`: function from a limit to the attitude rate [rad/s] at the time of the verdict.
     `control`: a law returns to equilibrium, and must not fall in either direction; one that holds
-    the limit for ever is lost only in the direction in which the wind turns a vehicle. `wind`: one
-    wind. `pole`: unstable pole of the vehicle [1/s].
+    the limit for ever is lost only in the direction in which the wind turns a vehicle. A positive
+    wind turns it to negative attitudes. `wind`: one wind. `pole`: unstable pole of the vehicle
+    [1/s].
     """
     peak, is_law = float(wind.peak), isinstance(control, Law)
 

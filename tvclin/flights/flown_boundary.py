@@ -56,7 +56,8 @@ def planar_verdict(
     `wind`: one wind that ends. `frozen`: whether parameters are frozen; else they vary along the
     nominal flight of `condition`. `drift`: whether the path may turn. `actuator`, `rate_limit`:
     hardware of a law, and its limit [rad/s]. `InputError` in the same cases as `fly_planar`, and
-    for an aerodynamically stable vehicle.
+    for an aerodynamically stable vehicle. The verdict is the direction in which it turns at the
+    `verdict_time` after the wind.
     """
     _check_frozen(frozen, condition)
     pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
@@ -69,7 +70,8 @@ def planar_verdict(
     def late_rate(limit: float) -> float:
         """Return the attitude rate [rad/s] at the time of the verdict, or the end of the flight."""
         flight = case.flown(command, limit)
-        return float(flight.rows(np.array([min(flight.end, span[1])]))[1, 0])
+        late = flight.rows(np.array([min(flight.end, span[1])]))[:, 0]
+        return float(late[1])  # after the attitude
 
     return verdict_of(late_rate, command.control, wind, pole)
 
@@ -93,7 +95,8 @@ def sixdof_verdict(
     `wind`: one wind that ends. `frozen`: whether parameters are frozen; else they vary along the
     nominal flight of `condition`. `drift`: whether the path may turn. `step`: step of JSBSim [s].
     `earth`: the rotating Earth, in place of a flat planet. `actuator`, `rate_limit`: hardware of a
-    law, and its limit [rad/s]. Same exceptions as `fly_sixdof`.
+    law, and its limit [rad/s]. Same exceptions as `fly_sixdof`. The verdict is the direction in
+    which it turns at the `verdict_time` after the wind.
     """
     _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step, earth, condition)
@@ -104,7 +107,8 @@ def sixdof_verdict(
     def late_rate(limit: float) -> float:
         """Return the attitude rate [rad/s] at the end of the flight with a limit [rad]."""
         steering = case.steering(command, limit, air)
-        return float(case.flown(steering, air, command.lateral_sensors)[-1, 1])
+        late = case.flown(steering, air, command.lateral_sensors)[-1]
+        return float(late[1])  # after the attitude
 
     return verdict_of(late_rate, command.control, wind, pole)
 

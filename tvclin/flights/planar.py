@@ -6,6 +6,10 @@
                    + N alpha cos(Theta - gamma) - W cos gamma
     I Theta''    = N l_a alpha - T l_c sin delta - M_q Theta'
 
+m mass, V speed, T thrust, F_A axial force, N slope of the normal force [N/rad], W weight, I moment
+of inertia, l_a and l_c arms of the normal and of the control force, M_q pitch damping. If only some
+engines turn, their thrust, the control force, replaces T in the terms of delta.
+
 States are deviations from a nominal flight, so that zero is a solution. Parameters are frozen, as
 in the linear theory, or vary along the nominal flight. In the yaw plane the component of gravity
 across the path is that of a turned path, W sin(Theta_n) sin(sigma), and Theta, gamma are the yaw
@@ -100,14 +104,14 @@ class PlanarMotion:
         The states are deviations from the nominal flight: attitude [rad], its rate [rad/s], flight
         path angle [rad], relative speed, altitude [m] and those of the sensors. `deflection`:
         deflection minus the nominal one [rad]. `gust`: wind angle of attack [rad] relative to the
-        nominal flight.
+        nominal flight. Forces of the air are those of the vehicle times `ratio`, q/q_n.
         """
         now = self._nominal_state(t)
         alpha, speed = self._air(now, x, gust)
         ratio = self._ratio(speed, now.altitude + x[4]) if self.nominal is not None else 1.0
         v = self.vehicle
         derivatives = np.zeros(len(self.states))
-        derivatives[0] = x[1]
+        derivatives[0] = x[1]  # attitude; then the moments, over the inertia
         derivatives[1] = v.normal_force_slope * ratio * v.aerodynamic_arm * alpha
         derivatives[1] -= v.control_force * v.control_arm * np.sin(deflection)
         derivatives[1] -= v.pitch_damping * x[1]
@@ -117,7 +121,7 @@ class PlanarMotion:
             nominal_ratio = self._ratio(now.speed, now.altitude)
             nominal_path = self._path(now, 0.0, 0.0, now.speed, 0.0, nominal_ratio, 0.0)
             derivatives[2] = actual[0] - nominal_path[0]
-            # V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x
+            # Both are (gamma', V'). V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x
             derivatives[3] = (
                 actual[1] - nominal_path[1] - nominal_path[1] * self._moving * x[3]
             ) / now.speed
@@ -127,7 +131,7 @@ class PlanarMotion:
         if self.sensors.drift:
             derivatives[self.states.index("drift")] = self._drift_rate(now, x)
         if self.sensors.acceleration:
-            k = self.states.index("acceleration")
+            k = self.states.index("acceleration")  # a first-order lag of what the sensor feels
             normal = v.normal_force_slope * ratio * alpha + v.control_force * np.sin(deflection)
             felt = normal / now.mass + self.sensors.station * derivatives[1]
             derivatives[k] = self.sensors.bandwidth * (felt - x[k])
@@ -144,7 +148,8 @@ class PlanarMotion:
     def _drift_rate(self, now: _Nominal, x: Any) -> Any:
         """Return the velocity normal to the nominal path [m/s].
 
-        `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``.
+        `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``: the third is the
+        flight path angle [rad], the fourth the speed, relative to the nominal one.
         """
         return now.speed * (1.0 + x[3]) * np.sin(x[2])
 
@@ -158,8 +163,11 @@ class PlanarMotion:
     def _air(self, now: _Nominal, x: Any, gust: Any) -> tuple[Any, Any]:
         """Return the angle of attack [rad] and the air speed [m/s].
 
-        `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``. `gust`: wind angle of
-        attack [rad] on the nominal path.
+        With frozen parameters it is attitude minus path minus wind. Else the wind angle is made a
+        horizontal wind [m/s], in pitch along the flight and in yaw to its side, and added to the
+        velocity. `now`: the nominal flight. `x`: deviations from it, ``(states, ...)``: attitude,
+        its rate, flight path angle [rad], relative speed. `gust`: wind angle of attack [rad] on the
+        nominal path.
         """
         if self.nominal is None:
             return x[0] - x[2] - gust, now.speed
@@ -192,9 +200,10 @@ class PlanarMotion:
     ) -> tuple[Any, Any]:
         """Return the rates of flight path angle [rad/s] and speed [m/s^2], nominal rates included.
 
-        `now`: the nominal flight. `theta`, `gamma`: deviations of attitude and flight path from it
-        [rad]. `speed`: [m/s]. `alpha`: angle of attack [rad]. `ratio`: q/q_n. `delta`: deflection
-        [rad].
+        Forces are summed across the path and along it. Only the control force, a part of the
+        thrust, turns with the nozzle. `now`: the nominal flight. `theta`, `gamma`: deviations of
+        attitude and flight path from it [rad]. `speed`: [m/s]. `alpha`: angle of attack [rad].
+        `ratio`: q/q_n. `delta`: deflection [rad].
         """
         v, lean = self.vehicle, theta - gamma
         weight = now.mass * STANDARD_GRAVITY
@@ -212,23 +221,26 @@ class PlanarMotion:
         return across / (now.mass * speed), along / now.mass
 
     def _ratio(self, speed: Any, altitude: Any) -> Any:
-        """Return the dynamic pressure over that of the vehicle's coefficients.
+        """Return the dynamic pressure q/q_n, over that of the vehicle's coefficients.
 
         `speed`: air speed [m/s]. `altitude`: altitude [m].
         """
         return 1.0 if self.nominal is None else self.nominal.pressure_ratio(speed, altitude)
 
     def _nominal_state(self, t: Any) -> _Nominal:
-        """Return the nominal flight at a time `t` [s], or the vehicle's state if it is frozen."""
+        """Return the nominal flight at a time `t` [s], or the vehicle's state if it is frozen.
+
+        The nominal path angle is the nominal attitude: the nominal flight has no angle of attack.
+        """
         v = self.vehicle
-        if self.nominal is None:
+        if self.nominal is None:  # the altitude matters only where parameters vary
             return _Nominal(v.mass, v.velocity, v.attitude, 0.0)
         return _nominal_at(self.nominal, t) if np.ndim(t) else _latest(self.nominal, float(t))
 
 
 @dataclass(frozen=True, eq=False)
 class _Nominal:
-    """The nominal flight at a time."""
+    """The nominal flight at a time: mass [kg], speed [m/s], path angle [rad] and altitude [m]."""
 
     mass: Any
     speed: Any
@@ -300,7 +312,11 @@ class PlanarCase:
         return self._ended(arcs, lambda times: flight.rows(arcs, times))
 
     def _by_history(self, control: History, limit: float) -> Solution:
-        """Return the flight with a deflection history `control` [rad] within a limit [rad]."""
+        """Return the flight with a deflection history `control` [rad] within a limit [rad].
+
+        It is solved from breakpoint to breakpoint of history and wind, up to the end of the span or
+        of the model's range.
+        """
         from scipy.integrate import solve_ivp
 
         start, stop = self.span
@@ -322,7 +338,7 @@ class PlanarCase:
             )
             arcs.append(Arc(float(first), result.sol, 0.0))
             state = result.y[:, -1]
-            if result.status:
+            if result.status:  # the attitude has left the range of the model
                 break
         starts = np.array([arc.start for arc in arcs])
 
@@ -347,7 +363,8 @@ class PlanarCase:
     def _ended(self, arcs: list[Arc], rows: Callable[[FloatArray], FloatArray]) -> Solution:
         """Return a solution with NaN after the end of the last of its arcs.
 
-        `rows`: function from times [s] to states and deflection.
+        If that is the end of the time span, the solution has no end. `rows`: function from times
+        [s] to states and deflection.
         """
         solution: Any = arcs[-1].solution
         last = float(solution.t_max)
@@ -365,10 +382,12 @@ def planar_case(
     drift: bool,
     condition: FlightCondition | None,
 ) -> PlanarCase:
-    """Return the case of a vehicle in a wind over a time span [s].
+    """Return the case of a vehicle in a wind over a time span [s], start and end.
 
-    `plane`: "pitch" or "yaw". `drift`: whether the flight path may turn and the speed change.
-    `condition`: with it, parameters vary along the nominal flight. Same exceptions as `fly_planar`.
+    The nominal flight passes through the vehicle's state at the vehicle's own time, so that it
+    covers that time too. `plane`: "pitch" or "yaw". `drift`: whether the flight path may turn and
+    the speed change. `condition`: with it, parameters vary along the nominal flight. Same
+    exceptions as `fly_planar`.
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     check_span(*span)
@@ -377,6 +396,8 @@ def planar_case(
     nominal = None
     if condition is not None:
         vehicle_time = 0.0 if vehicle.time is None else float(vehicle.time)
+        # A millisecond more, so that the last time is within the nominal flight in spite of
+        # rounding
         first, last = min(span[0], vehicle_time), max(span[1], vehicle_time) + 1e-3
         nominal = nominal_flight(vehicle, condition, start=first, stop=last)
     return PlanarCase(PlanarMotion(vehicle, plane, flag("drift", drift), nominal), wind, span)
@@ -384,21 +405,25 @@ def planar_case(
 
 @dataclass(frozen=True)
 class _TrimThenHold(TrimLaw):
-    """The report's control: trim until K times the limit, then the limit for ever."""
+    """The report's control: trim until K times the limit, then the limit for ever.
+
+    `release` is minus infinity: no demand ends the full limit. `engage` is the dead band K.
+    """
 
     dead_band: float = 1.0
     release = -np.inf
 
     @property
     def engage(self) -> float:  # type: ignore[override]
-        """Dead band K, at least the demand that marks the onset of a wind."""
+        """Dead band K over the limit, at least the demand that marks the onset of a wind."""
         return max(self.dead_band, ONSET_OVER_LIMIT)
 
 
 def _attitude_end(t: float, x: FloatArray, *inputs: Any) -> float:
-    """Return the event function that is zero where the attitude leaves the range of the model.
+    """Return the distance [rad] of the attitude to the end of the model's range, negative beyond.
 
-    `x`: states, the attitude first. Time and inputs do not matter.
+    It is the event function of `solve_ivp`. `x`: states, the attitude first. Time and inputs do not
+    matter.
     """
     del t, inputs
     return MAX_ATTITUDE * (1.0 + _END_MARGIN) - abs(float(x[0]))
@@ -525,6 +550,6 @@ def planar_outputs(
     flown = case.flown(command, limit_of(control, deflection_limit))
     if np.isfinite(flown.end):
         warn_of_the_end(flown.end)
-    rows = flown.rows(times)
+    rows = flown.rows(times)  # states, of which attitude, its rate and path come first; deflection
     alpha = case.motion.angle_of_attack(times, rows[:-1], wind(times))
     return times, np.vstack([rows[:3], alpha, rows[-1]])

@@ -76,7 +76,8 @@ class FlightComparison:
     def peaks(self, name: str) -> tuple[float, float]:
         """Return the peak magnitude of an output during the wind, flown and linear [rad, rad/s].
 
-        A flight that leaves the range of its model in the wind counts until it does.
+        A flight that leaves the range of its model in the wind counts until it does: its outputs
+        are extrapolated from the last two times to the largest attitude of the model (`ranges`).
 
         Parameters
         ----------
@@ -100,8 +101,9 @@ class FlightComparison:
     def _peak(self, rows: FloatArray, row: int, last_attitude: float | None) -> float:
         """Return the peak magnitude of an output during the wind [rad, rad/s].
 
-        `rows`: outputs of one flight, ``(5, n)``. `row`: index of the output. `last_attitude`:
-        attitude [rad] to which the last two samples are extrapolated, if any.
+        `rows`: outputs of one flight, ``(5, n)``, the attitude first. `row`: index of the output.
+        `last_attitude`: attitude [rad] to which the last two samples are extrapolated, if any.
+        `InputError` if no time lies in the wind.
         """
         samples = rows[:, self._during_wind & np.isfinite(rows[0])]
         if not samples.size:
@@ -120,7 +122,11 @@ class FlightComparison:
 
     @property
     def ended(self) -> tuple[bool, bool]:
-        """Whether the flight and the linear flight leave the range of their models in the wind."""
+        """Whether the flight and the linear flight leave the range of their models in the wind.
+
+        Then the attitude is NaN there. It is NaN also after the limit was released (`let_go`),
+        which does not count.
+        """
         flown, linear = (
             bool(np.isnan(rows[0, self._during_wind]).any() and np.isinf(let_go))
             for rows, let_go in zip((self.flown, self.linear), self.let_go, strict=True)
@@ -140,7 +146,10 @@ class FlightComparison:
 
     @property
     def largest(self) -> dict[str, tuple[float, float]]:
-        """Peaks of the flight and of the linear flight [rad, rad/s], by their names."""
+        """Peaks of the flight and of the linear flight [rad, rad/s], by the label of their row.
+
+        The label says degrees: `table` shows them so.
+        """
         return {
             f"largest {name.replace('_', ' ')} over the wind [deg]": self.peaks(name)
             for name in PEAKS
@@ -158,7 +167,8 @@ class FlightComparison:
         names : sequence of str
             Names of both flights, or of the first alone.
         boundaries : tuple of float or None
-            Smallest limits [rad] with which both survive, if known.
+            Smallest limits [rad] with which the flight and the linear flight survive. The row is
+            left out if the first is not known.
         """
         angles = dict(self.largest)
         if boundaries is not None and boundaries[0] is not None:
@@ -170,7 +180,7 @@ class FlightComparison:
                 minimum_limit(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(pair)
             ]
             rows.append(((label,), *cells))
-        width = len(names) + 1
+        width = len(names) + 1  # of the label, and of a flight for each name
         return Table(caption, ("quantity", *names), tuple(row[:width] for row in rows))
 
 
@@ -298,8 +308,10 @@ def _release_time(
 ) -> float:
     """Return the time [s] at which the report's control releases its limit, infinite for none.
 
-    `times`: times of the flight [s], ``(n,)``. `rows`: its outputs [rad, rad/s], ``(5, n)``, which
-    are set to NaN after the release. `limit`: deflection limit [rad].
+    It does so where the attitude is zero again, if the flight has ended at the limit: the held
+    limit would turn the vehicle over to the other side. `times`: times of the flight [s], ``(n,)``.
+    `rows`: its outputs [rad, rad/s], ``(5, n)``, which are set to NaN after the release. `limit`:
+    deflection limit [rad].
     """
     finite = np.flatnonzero(np.isfinite(rows[0]))
     if not finite.size or abs(rows[-1, finite[-1]]) < limit * (1.0 - _LIMIT_TOLERANCE):
@@ -314,8 +326,8 @@ def _linear(
 ) -> FloatArray:
     """Return the `OUTPUTS` of the linear flight at n times [s], in rad and rad/s, ``(5, n)``.
 
-    `plant`: linear model of one vehicle. `control`: the report's control, or a law. `limit`:
-    deflection limit [rad].
+    The report's control is exact, a law sampled. `plant`: linear model of one vehicle. `control`:
+    the report's control, or a law. `limit`: deflection limit [rad].
     """
     if isinstance(control, ReportControl):
         sign = -float(np.sign(plant.coefficients.B * wind.peak))
@@ -360,7 +372,7 @@ class SampledFlight(FlightComparison):
 
     @property
     def largest(self) -> dict[str, tuple[float, float]]:
-        """Peaks of the flight and of the rigid vehicle's flight [rad, rad/s], by their names."""
+        """Peaks of both flights [rad, rad/s], by the label of their row, and of the nozzle rate."""
         return super().largest | {"largest rate of the nozzle [deg/s]": self.peak_rates}
 
 
@@ -397,11 +409,11 @@ def _rows(
 ) -> FloatArray:
     """Return the `OUTPUTS` of a sampled flight [rad, rad/s], ``(5, n)``.
 
-    They are NaN from the end of the model's range on. `times`: times [s], ``(n,)``. `nozzle`:
-    arguments of `fly` after the times.
+    They are NaN from the first attitude beyond the model's range on. `times`: times [s], ``(n,)``.
+    `nozzle`: arguments of `fly` after the times.
     """
     flown, zeros = flight_responses(plant, law, wind, times, **nozzle), np.zeros(times.size)
-    available = (*plant.outputs, "deflection")  # a fixed path has no angle
+    available = (*plant.outputs, "deflection")  # a model with a fixed path has no path angle
     rows = np.stack([flown[name] if name in available else zeros for name in OUTPUTS])
     beyond = np.flatnonzero(np.abs(rows[0]) > MAX_ATTITUDE)
     rows[:, beyond[0] if beyond.size else times.size :] = np.nan

@@ -87,12 +87,19 @@ class Loop:
 
     @cached_property
     def servo(self) -> int:
-        """Number of states of the nozzle: 0 without an actuator, else its order, 1 or 2."""
+        """Number of states of the nozzle: 0 without an actuator, else its order, 1 or 2.
+
+        They are the deflection s, and of second order also its rate s'. The denominator has a
+        coefficient more than there are states.
+        """
         return 0 if self.actuator is None else self.actuator.denominator.size - 1
 
     @cached_property
     def memory(self) -> tuple[FloatArray, FloatArray]:
-        """Matrices F and G of the law's states x, with x' = F x + G y for the measurements y."""
+        """Matrices F and G of the law's states x, with x' = F x + G y.
+
+        y: the first five measurements, from attitude to deflection.
+        """
         return self.law.states
 
     @property
@@ -110,8 +117,9 @@ class Loop:
     def measured(self, t: Any, states: FloatArray, regime: Regime | None = None) -> Measurement:
         """Return the measurements of the law; the deflection is NaN without an actuator.
 
-        `t`: time [s]. `states`: all states of the loop, ``(n, ...)``. `regime`: active limits;
-        without it the deflection is clipped at its limit.
+        The first states are attitude [rad], its rate, and perhaps the flight path angle. `t`: time
+        [s]. `states`: all states of the loop, ``(n, ...)``. `regime`: active limits; without it the
+        deflection is clipped at its limit.
         """
         path = states[2] if "flight_path_angle" in self.equations.states else 0.0 * states[0]
         alpha = self.equations.angle_of_attack(t, states[: self.order], self.gust(t))
@@ -122,8 +130,8 @@ class Loop:
     def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
         """Return the deflection [rad] of the actuator, from all states of the loop, ``(n, ...)``.
 
-        `regime`: active limits, with which it is smooth beyond the limit; without it, it is clipped
-        there.
+        `regime`: active limits. With it, a deflection that is not at its limit passes the limit
+        without a kink, so that the solver finds the instant; without it, it is clipped there.
         """
         position = states[self.order]
         if regime is None:
@@ -158,9 +166,12 @@ class Loop:
         return np.clip(demand, -self.limit, self.limit)
 
     def pull(self, states: FloatArray, command: Any) -> Any:
-        """Return s' of a first-order nozzle s without its rate limit, or s'' of second order.
+        """Return s' [rad/s] of a first-order nozzle, or s'' [rad/s^2] of second order.
 
-        `states`: all states of the loop, ``(n, ...)``. `command`: commanded deflection [rad].
+        s is the deflection; its rate limit does not count here. First order: s' = w (command - s).
+        Second: s'' = w^2 (command - s) - 2 zeta w s', with the natural frequency w [rad/s] and the
+        damping ratio zeta. `states`: all states of the loop, ``(n, ...)``. `command`: commanded
+        deflection [rad].
         """
         assert self.actuator is not None
         w, order = float(np.asarray(self.actuator.natural_frequency)), self.order
@@ -172,7 +183,8 @@ class Loop:
     def rates(self, t: float, states: FloatArray, regime: Regime) -> FloatArray:
         """Return the derivatives of all states at a time `t` [s], ``(n,)``.
 
-        `regime`: active limits of law and nozzle.
+        `regime`: active limits of law and nozzle. The states are those of the vehicle, the nozzle
+        and the law, in this order. `InputError` for a command that is not finite.
         """
         order = self.order
         measured = self.measured(t, states, regime)
@@ -187,7 +199,7 @@ class Loop:
         if self.actuator is not None:
             deflection = float(measured.deflection)
             pull = self.pull(states, command)
-            if regime.rate:
+            if regime.rate:  # of second order the rate is constant then, and its derivative zero
                 rates[order] = regime.rate * self.rate_limit
             elif self.servo == 1:
                 rates[order] = pull
@@ -228,7 +240,9 @@ class End(NamedTuple):
 def mode_at(loop: Loop, t: float, states: FloatArray, mode: float) -> float:
     """Return the mode of the law at a time `t` [s]: +1 or -1 if it commands the full limit, else 0.
 
-    `states`: all states of the loop. `mode`: mode before that time.
+    A law engages the full limit when its demand reaches `engage` times the limit, and releases it
+    at `release` times the limit, so that the mode depends on that before. `states`: all states of
+    the loop. `mode`: mode before that time.
     """
     demand = loop.demand(states, loop.measured(t, states))
     law, limit = loop.law, loop.limit
@@ -239,7 +253,8 @@ def regime_after_jump(loop: Loop, t: float, states: FloatArray, regime: Regime) 
     """Return the regime after a possible jump of the command, with the rate limited or not.
 
     The rate is limited if it is at its limit in the direction in which the command accelerates the
-    nozzle. `t`: time [s]. `states`: all states of the loop. `regime`: active limits before.
+    nozzle. The rate is `pull` itself for a nozzle of first order, and a state for one of second
+    order. `t`: time [s]. `states`: all states of the loop. `regime`: active limits before.
     """
     if loop.actuator is None or loop.rate_limit == np.inf:
         return regime
@@ -251,7 +266,11 @@ def regime_after_jump(loop: Loop, t: float, states: FloatArray, regime: Regime) 
 
 
 def ends_of(loop: Loop, regime: Regime) -> list[End]:
-    """Return the events that can end a regime, in which the active limits stay the same."""
+    """Return the events that can end a regime, in which the active limits stay the same.
+
+    They are those of the law, of the rate limit if there is one, and of the deflection limit for a
+    nozzle of second order.
+    """
     ends = [_mode_end(loop, regime, sign) for sign in _signs(regime.mode)]
     if loop.servo and loop.rate_limit < np.inf:
         ends += [_rate_end(loop, regime, sign) for sign in _signs(regime.rate)]
@@ -263,7 +282,8 @@ def ends_of(loop: Loop, regime: Regime) -> list[End]:
 def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the law engages the full limit, or if engaged, releases it.
 
-    `regime`: active limits. `sign`: sign of the full limit.
+    The thresholds are `engage` and `release` of the law times the limit. `regime`: active limits.
+    `sign`: sign of the full limit.
     """
 
     def past(t: Any, states: FloatArray) -> Any:
@@ -280,8 +300,9 @@ def _rate_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the nozzle leaves its rate limit r, or if free, reaches it.
 
     First order, s' = pull: at the limit while ``|pull| > r``. Second order, s'' = pull: at the
-    limit from ``|s'| > r`` until the pull changes its sign. `regime`: active limits. `sign`: sign
-    of the rate.
+    limit from ``|s'| > r`` until the pull changes its sign. s is the deflection, which is the state
+    after the `order` states of the vehicle; the next one is s'. `regime`: active limits. `sign`:
+    sign of the rate.
     """
     max_rate, order, first = loop.rate_limit, loop.order, loop.servo == 1
     then = regime._replace(rate=0.0 if regime.rate else sign)
@@ -297,6 +318,7 @@ def _rate_end(loop: Loop, regime: Regime, sign: float) -> End:
         return End(lambda t, x: pull(t, x) - max_rate, max_rate, then)
     if first:
         return End(lambda t, x: max_rate - pull(t, x), max_rate, then)
+    # Scale of s'': that of an undamped oscillation w [rad/s] with the limit as its amplitude.
     size = loop.limit * float(np.asarray(loop.actuator.natural_frequency)) ** 2  # type: ignore[union-attr]
     return End(lambda t, x: -pull(t, x), size, then)
 
@@ -304,7 +326,8 @@ def _rate_end(loop: Loop, regime: Regime, sign: float) -> End:
 def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the deflection leaves its limit, or if free, reaches it.
 
-    `loop`: gives the limit. `regime`: active limits. `sign`: sign of the deflection.
+    The deflection is the state after the `order` states of the vehicle. `loop`: gives the limit
+    [rad]. `regime`: active limits. `sign`: sign of the deflection.
     """
     limit, order = loop.limit, loop.order
     if regime.stop:
@@ -321,9 +344,10 @@ def _signs(active: float) -> tuple[float, ...]:
 def first_missed_end(result: Any, ends: list[End]) -> tuple[float, Regime] | None:
     """Return time [s] and next regime of the first end of a regime that the solver stepped over.
 
-    Such an end lies within a solver step, with the same sign of its event function at both sides;
-    None without such an end. `result`: solution of `solve_ivp`. `ends`: events that can end the
-    regime.
+    Such an end lies within a solver step, with the same sign of its event function at both sides:
+    the function has a local maximum between them, which is refined, and its first zero before it is
+    the end. None without such an end. `result`: solution of `solve_ivp`. `ends`: events that can
+    end the regime.
     """
     from scipy.optimize import brentq, minimize_scalar
 
@@ -363,6 +387,9 @@ _MAX_SWITCHES = 5000
 _MAX_EVALUATIONS = 500_000
 """Largest number of evaluations of the equations in one flight: hours with an actuator of 4 Hz.
 Long after t = 0 the rounding of the time alone shortens the steps so much."""
+_END_MARGIN = 1e-6
+"""Distance beyond the largest attitude, and state, at which a flight ends, over that limit: the end
+found by the solver must not be on the near side of the limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -386,7 +413,8 @@ class ContinuousFlight:
         """Return the arcs of the flight from equilibrium at `start` to just beyond `stop` [s].
 
         An arc is the solution between two events: breakpoints of the wind, and changes of the
-        active limits.
+        active limits (the regime). They end early where the attitude reaches `max_attitude`.
+        `InputError` for too many switches of the law, and for a flight that cannot be integrated.
         """
         stop = max(float(np.nextafter(stop, np.inf)), start + 1e-9)
         knots = self.wind.knots
@@ -418,7 +446,7 @@ class ContinuousFlight:
                     now, state = float(result.t[-1]), result.y[:, -1]
                     if abs(state[0]) >= self.max_attitude:
                         return arcs
-                    if result.status == 1:
+                    if result.status == 1:  # an event ended the regime
                         regime = next(
                             end.then
                             for end, times in zip(ends, result.t_events, strict=False)
@@ -426,7 +454,7 @@ class ContinuousFlight:
                         )
                 if regime.mode != before.mode:
                     regime = regime_after_jump(loop, now, state, regime)
-                if regime.rate and loop.servo > 1:
+                if regime.rate and loop.servo > 1:  # the state s' is exactly at its limit
                     state = state.copy()
                     state[loop.order + 1] = regime.rate * loop.rate_limit
         return arcs
@@ -442,7 +470,8 @@ class ContinuousFlight:
         """Return the result of `solve_ivp` from a state to the first event or the end of a span.
 
         `rates`: derivatives of the states. `span`: start and end [s]. `state`: all states of the
-        loop. `regime`: active limits. `ends`: events that can end the regime.
+        loop. `regime`: active limits. `ends`: events that can end the regime. `InputError` where
+        the solver fails, and for states without bounds.
         """
         from scipy.integrate import solve_ivp
 
@@ -468,7 +497,7 @@ class ContinuousFlight:
     def rows(self, arcs: list[Arc], times: FloatArray) -> FloatArray:
         """Return n plant states and deflection [rad] at times [s] ``(m,)``, shape ``(n + 1, m)``.
 
-        `arcs`: solutions between events, which cover the times.
+        `arcs`: solutions between events, which cover the times. All is zero before the first.
         """
         starts = np.array([arc.start for arc in arcs])
         index = np.searchsorted(starts, times, side="right") - 1
@@ -484,7 +513,10 @@ class ContinuousFlight:
 
     @cached_property
     def _absolute_tolerance(self) -> FloatArray:
-        """Absolute tolerance of the solver for each state, ``(n,)``."""
+        """Absolute tolerance of the solver for each state, in its unit, ``(n,)``.
+
+        It is relative to the peak of the wind, times the scale of a state that is not an angle.
+        """
         tolerance = np.full(self.loop.size, _ATOL * abs(float(self.wind.peak)))
         tolerance[: self.loop.order] *= self.loop.equations.scales
         return tolerance
@@ -497,7 +529,8 @@ class ContinuousFlight:
     def _check_law(self, start: float, rest: FloatArray) -> None:
         """Raise `InputError` for a law that depends on the deflection without an actuator.
 
-        `start`: start of the flight [s]. `rest`: states in equilibrium.
+        Without one the measured deflection is NaN, and so is such a demand. `start`: start of the
+        flight [s]. `rest`: states in equilibrium.
         """
         if np.isnan(self.loop.demand(rest, self.loop.measured(start, rest))):
             raise InputError(
@@ -530,7 +563,10 @@ def _event(end: End) -> Any:
     """Return the event function for `solve_ivp` of an end, which rises through zero there."""
 
     def past(t: float, states: FloatArray, regime: Regime) -> float:
-        """Return by how much the states are past the end; negative before it."""
+        """Return by how much the states are past the end; negative before it.
+
+        `regime` is not used: `solve_ivp` calls events with the arguments of the equations.
+        """
         return float(end.past(t, states))
 
     past.terminal = True  # type: ignore[attr-defined]
@@ -541,13 +577,19 @@ def _event(end: End) -> Any:
 def _flight_end(max_attitude: float) -> Any:
     """Return the event function of the end of a flight: a state or the attitude is too large.
 
-    `max_attitude`: largest attitude [rad]; the end is a millionth beyond it.
+    `max_attitude`: largest attitude [rad].
     """
+    beyond = 1.0 + _END_MARGIN
 
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:
-        """Return the smaller distance of states and attitude to their limits; negative beyond."""
-        to_loss = LOST * (1.0 + 1e-6) - float(np.abs(states).max())
-        return min(to_loss, max_attitude * (1.0 + 1e-6) - abs(float(states[0])))
+        """Return the smaller distance of states and attitude to their limits; negative beyond.
+
+        The limit of the states, of any unit, is only a size that no vehicle reaches: in a valid
+        flight this is the distance of the attitude [rad]. `t` and `regime` are not used: the rule
+        is the same at all times, and `solve_ivp` passes them.
+        """
+        to_loss = LOST * beyond - float(np.abs(states).max())
+        return min(to_loss, max_attitude * beyond - abs(float(states[0])))
 
     remaining.terminal = True  # type: ignore[attr-defined]
     return remaining
@@ -556,8 +598,10 @@ def _flight_end(max_attitude: float) -> Any:
 def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
     """Return the piece of a history after a time [s] as a function, smooth beyond the piece's end.
 
-    `start`: the time, such as a breakpoint. It hides the next jump from the solver, and takes half
-    the time of ``history(t)``.
+    A piece is a sum over the `rates` r [1/s] of a polynomial in u times e^(r u), u [s] being the
+    time since its breakpoint; a plain polynomial has r = 0. The function is zero before the first
+    piece. `start`: the time, such as a breakpoint. It hides the next jump from the solver, and
+    takes half the time of ``history(t)``.
     """
     pieces = history.pieces
     k = int(np.searchsorted(pieces.knots, start, side="right")) - 1
