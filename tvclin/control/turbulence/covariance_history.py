@@ -117,7 +117,9 @@ class CovarianceHistory(GaussianOutputs):
     def travel_deviation(self, output: str = DEFLECTION) -> float:
         """Return the standard deviation of the travel of an output, of the deflection in rad.
 
-        It is the double integral of the covariance of ``|y'|`` at two times.
+        It is the root of the double integral over two times of the covariance of ``|y'|`` at them,
+        by the trapezoidal rule at up to 400 times, from one to the next of which `_moments` has the
+        transitions of the states.
 
         Raises
         ------
@@ -129,6 +131,7 @@ class CovarianceHistory(GaussianOutputs):
         rows = np.broadcast_to(rate, (len(self.times), rate.shape[-1]))[chosen]
         mean, spread = self._mean_of(rate, direct)[chosen], self._deviation_of(rate)[chosen]
         covariances = np.zeros((len(chosen), len(chosen)))
+        # Column j: covariance of the states at time k with y' at the earlier time j.
         carried = np.zeros((rate.shape[-1], len(chosen)))
         for k, row in enumerate(rows):
             if k:
@@ -142,7 +145,7 @@ class CovarianceHistory(GaussianOutputs):
             (mean[first], mean[second]), (spread[first], spread[second]), correlations
         )
         steps = 0.5 * np.diff(self.times[chosen], prepend=self.times[chosen[0]])
-        weights = steps + np.append(steps[1:], 0.0)
+        weights = steps + np.append(steps[1:], 0.0)  # of the trapezoidal rule
         pairs *= np.where(first == second, 1.0, 2.0) * weights[first] * weights[second]
         return float(np.sqrt(max(np.sum(pairs), 0.0)))
 
@@ -203,6 +206,8 @@ class CovarianceHistory(GaussianOutputs):
 
     def quantile(self, probability: float, output: str = DEFLECTION) -> FloatArray:
         """Return the value of an output that is not exceeded with a probability, ``(n,)``.
+
+        Of the output itself, with its sign, at each time; in SI units.
 
         Raises
         ------
@@ -270,11 +275,11 @@ def turbulence_history(
     check_single("turbulence_history", autopilot, plant, loads)
     V = errors.number("speed", speed)
     altitude = None if altitude is None else errors.number("altitude", altitude, unit="m")
-    shape = turbulence.shaping_filter(V, altitude)
-    shape = *shape[:2], shape[2] / V
+    a, b, c = turbulence.shaping_filter(V, altitude)  # of the velocity w; the angle is w/V
     at_rest = not errors.flag("settled", settled)
-    loop = driven_loop(autopilot, plant, shape, np.asarray(V), noise, loads, drift=at_rest)
+    loop = driven_loop(autopilot, plant, (a, b, c / V), np.asarray(V), noise, loads, drift=at_rest)
     times = march_times(0.0, errors.number("duration", duration, _DURATIONS, "s"), wind, loop)
+    # The first of the stationary covariances is that just behind a sample.
     start = None if at_rest else stationary(loop)[0][0]
     moments = march(loop, times, wind, start)
     return CovarianceHistory(times, loop.labels, loop.output_signals, moments)
@@ -389,7 +394,10 @@ def turbulence_along(
 
 
 def _constant(name: str, value: float | FloatArray) -> float:
-    """Return the `value` of the number `name` of an autopilot, the same along a flight."""
+    """Return the `value` of the number `name` of an autopilot, the same along a flight.
+
+    `InputError` for a value that varies.
+    """
     values = np.unique(value)
     if values.size > 1:
         raise errors.InputError(f"the {name} of the autopilot must be the same along the flight")

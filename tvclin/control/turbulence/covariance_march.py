@@ -59,19 +59,29 @@ class VaryingLoop:
         return self._nodes.labels
 
     def at(self, times: FloatArray) -> DrivenLoop:
-        """Return the loops at times [s], a batch ``(n,)``, without their jumps."""
+        """Return the loops at times [s], a batch ``(n,)``, without their jumps.
+
+        `_nodes` are the loops at the five nodes of each interval, between which each entry of
+        their matrices is interpolated.
+        """
         position, weights = self._weights(times)
         smooth = replace(self._nodes, jumps=())
         return smooth.mapped(lambda values: _values_at(values, position, weights))
 
     def jump_at(self, index: int, times: FloatArray) -> Jump:
-        """Return the jump behind the interval `index` of a sample, at times [s] ``(n,)``."""
+        """Return the jump behind the interval `index` of a sample, at times [s] ``(n,)``.
+
+        Its matrices have the leading axis n; the `length` [s] of the interval is constant.
+        """
         position, weights = self._weights(times)
         jump = self.jumps[index]
         return Jump(jump.length, *(_values_at(values, position, weights) for values in jump[1:]))
 
     def signals(self, times: FloatArray) -> dict[str, Signal]:
-        """Return the outputs at times [s], rows ``(n, states)`` or constant ones ``(states,)``."""
+        """Return the outputs at times [s], rows ``(n, states)`` or constant ones ``(states,)``.
+
+        The rate of an output y = row x has the derivative of the row over time too.
+        """
         position, weights = self._weights(times)
 
         def varying(values: FloatArray) -> FloatArray:
@@ -91,7 +101,8 @@ class VaryingLoop:
     def _weights(self, times: FloatArray) -> tuple[IndexArray, FloatArray]:
         """Return the first node of the interval of each of n times [s], and weights of its 5 nodes.
 
-        Shapes ``(n,)`` and ``(n, 5)``.
+        Shapes ``(n,)`` and ``(n, 5)``. `_starts` and `_lengths` of the intervals are in s; the
+        index counts the nodes of all intervals, and times beyond them are moved to the nearest.
         """
         index = np.searchsorted(self._starts, times, side="right") - 1
         index = np.clip(index, 0, len(self._starts) - 1)
@@ -110,8 +121,12 @@ class VaryingLoop:
 
 
 def _derivative() -> FloatArray:
-    """Return the differentiation matrix of the points of an interval, ``(5, 5)``."""
-    distances = _POINTS[:, np.newaxis] - _POINTS + np.eye(len(_POINTS))
+    """Return the differentiation matrix of the five Lobatto points of a unit interval, ``(5, 5)``.
+
+    By the barycentric weights w of the points t: D_ij = w_j/(w_i (t_i - t_j)), and rows that sum
+    to zero, as the derivative of a constant.
+    """
+    distances = _POINTS[:, np.newaxis] - _POINTS + np.eye(len(_POINTS))  # 1 on the diagonal: no 1/0
     matrix = _BARYCENTRIC / _BARYCENTRIC[:, np.newaxis] / distances
     np.fill_diagonal(matrix, 0.0)
     return np.asarray(matrix - np.diag(matrix.sum(axis=1)))
@@ -143,8 +158,10 @@ def _interpolated(
     """Return starts and lengths of the intervals [s], and the batch of loops at all nodes.
 
     `loop_at`: loops at times [s] ``(n,)``. `breaks`: rising times [s] between which the loops are
-    smooth.
+    smooth. Each interval has five nodes; it is halved, six times at most, while the polynomial
+    through them differs from the loop at a further, checked point.
     """
+    # Less 1e-9: rounding makes no interval more.
     counts = np.maximum(np.ceil(np.diff(breaks) / _MAX_INTERVAL_S - 1e-9), 1.0).astype(int)
     lengths = np.repeat(np.diff(breaks) / counts, counts)
     starts = breaks[0] + np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
@@ -170,7 +187,7 @@ def _interpolated(
 
 
 def _joined(loops: list[DrivenLoop], order: IndexArray) -> DrivenLoop:
-    """Return the batches of `loops` as one batch, in the order of these indices."""
+    """Return the batches of `loops`, one behind another and then in this `order`, as one batch."""
     columns = zip(*(loop.arrays for loop in loops), strict=True)
     joined = (np.concatenate(arrays)[order] for arrays in columns)
     return loops[0].mapped(lambda _: next(joined))  # takes the arrays in the same order
@@ -179,8 +196,9 @@ def _joined(loops: list[DrivenLoop], order: IndexArray) -> DrivenLoop:
 def _fits(loops: DrivenLoop, shape: tuple[int, ...]) -> BoolArray:
     """Return for each interval whether the polynomials have the values at the checked point.
 
-    `loops`: batch of loops at the nodes and the checked point of each interval. `shape`: numbers of
-    intervals and of points in each, 6.
+    `loops`: batch of loops at the nodes and the checked point of each interval, the last. `shape`:
+    numbers of intervals and of points in each, 6. An error counts as none up to 1e-9 of the largest
+    value of its entry, plus 1e-13, rounding, of that of its matrix.
     """
     fits = np.ones(shape[0], bool)
     weights = interpolation_factors(_POINTS, np.array([_CHECKED_POINT]))[0]
@@ -209,7 +227,10 @@ def march_times(
 ) -> FloatArray:
     """Return the times [s] of the steps of a covariance from `start` to `stop`, ``(n,)``.
 
-    They include the breakpoints of the `wind` and the ends of the intervals of a sampled `loop`.
+    Without samples they include the breakpoints of the `wind`; of a sampled `loop` they are the
+    ends of the intervals of its samples, with even steps between, and those of a constant loop end
+    with the sample that contains `stop`. `InputError` for a wind that is no single history, and for
+    more than 30,000 steps.
     """
     if wind is not None:
         instance("wind", wind, History, "such as TriangularWind")
@@ -218,7 +239,7 @@ def march_times(
     sample = [_sample_steps(jump) for jump in loop.jumps]
     longest = _STEP_OF_ONE_VEHICLE_S if constant else _STEP_OF_A_FLIGHT_S
     steps_of = np.concatenate(sample) if sample else np.array([longest])
-    intervals = (stop - start) / steps_of.sum() - 1e-9
+    intervals = (stop - start) / steps_of.sum() - 1e-9  # samples, or steps; rounding adds none
     if intervals * steps_of.size > _MAX_STEPS:
         raise InputError(
             f"a history has up to {_MAX_STEPS} steps; this one would have"
@@ -236,7 +257,10 @@ def march_times(
 
 
 def _sample_steps(jump: Jump) -> FloatArray:
-    """Return the lengths [s] of the steps of the interval ahead of a jump, ``(steps,)``."""
+    """Return the lengths [s] of the even steps of the interval ahead of a `jump`, ``(steps,)``.
+
+    They are 0.01 s at most.
+    """
     count = max(int(np.ceil(jump.length / _STEP_BETWEEN_SAMPLES_S - 1e-9)), 1)
     return np.full(count, jump.length / count)
 
@@ -267,13 +291,13 @@ def march(
     `loop`: constant or varying. `times`: rising, of `march_times`. `wind`: known wind [rad], to
     which the mean is the response; without it the mean is zero. `start`: covariance at the first
     time, after its sample, ``(states, states)``; by default that of a vehicle at rest and a
-    stationary filter.
+    stationary filter of turbulence. `InputError` for numbers that overflow, of an unstable loop.
     """
     angles = np.zeros(times.size) if wind is None else np.asarray(wind(times))
     first_loop = loop if isinstance(loop, DrivenLoop) else loop.at(times[:1]).mapped(np.squeeze)
     n = first_loop.A.shape[-1]
     # At first the vehicle is at rest, behind a sample, and the filter of turbulence is stationary.
-    P, mean = np.zeros((n, n)), np.zeros(n)
+    P, mean = np.zeros((n, n)), np.zeros(n)  # covariance and mean of the states
     filtered = first_loop.filter_states
     P[filtered, filtered] = stationary_covariance(
         *(matrix[filtered, filtered] for matrix in (first_loop.A, first_loop.noise))
@@ -289,7 +313,7 @@ def march(
     transitions, passed = [], np.eye(n)  # from a chosen time to the next, and since the last one
     for first in range(0, times.size - 1, _STEPS_AT_ONCE):
         part = times[first : first + _STEPS_AT_ONCE + 1]
-        F, Q, forced = _steps(loop, part, wind)
+        F, Q, forced = _steps(loop, part, wind)  # a step: x -> F x + forced, and noise Q
         jumps = _jumps_before(loop, part, first)
         for k, jump in enumerate(jumps, start=first):
             step = F[k - first]
@@ -317,7 +341,8 @@ def _jumped(
 ) -> tuple[FloatArray, FloatArray]:
     """Return mean ``(n,)`` and covariance ``(n, n)`` of the states behind a jump.
 
-    `mean`, `P`: mean and covariance before it. `wind`: wind angle [rad].
+    `jump`: x -> matrix x + wind alpha_w, plus noise with a covariance. `mean`, `P`: mean and
+    covariance before it. `wind`: wind angle alpha_w [rad].
     """
     moved = jump.matrix @ mean + jump.wind * wind
     return moved, jump.matrix @ P @ jump.matrix.T + jump.noise
@@ -339,8 +364,10 @@ def _jumps_before(
 ) -> list[Jump | None]:
     """Return the jump of a sampled loop at the begin of each step, or None.
 
-    `loop`: constant or varying. `times`: ends of the steps [s], ``(n + 1,)``. `first`: number of
-    the first of the steps; the sample before step 0 is taken already.
+    A sample has one or two intervals, each of several steps and with a jump at its end. `loop`:
+    constant or varying; without samples it has no jumps. `times`: ends of the steps [s],
+    ``(n + 1,)``. `first`: number of the first of the steps; the sample before step 0 is taken
+    already.
     """
     jumps: list[Jump | None] = [None] * (len(times) - 1)
     ends = np.cumsum([_sample_steps(jump).size for jump in loop.jumps])
@@ -359,10 +386,12 @@ def _steps(
 
     A step of the n states is x -> F x + g plus noise with the covariance Q. `loop`: constant or
     varying. `times`: ends of the steps [s], ``(m + 1,)``. `wind`: known wind [rad]; None: g is
-    zero.
+    zero. The wind is one more state, equal to one, so that its column of F is g; what varies within
+    a step is taken at its two Gauss points.
     """
     lengths, count = np.diff(times), len(times) - 1
     if wind is None and isinstance(loop, DrivenLoop):
+        # One exponential for each length of step, to 1e-12 s.
         rounded, which = np.unique(np.round(lengths, 12), return_inverse=True)
         F, Q = steps(loop.A, loop.noise, rounded)
         return F[which], Q[which], np.zeros((count, len(loop.A)))

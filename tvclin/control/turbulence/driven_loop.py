@@ -285,7 +285,9 @@ class DrivenLoop:
     def is_smooth(self, row: FloatArray, direct: FloatArray) -> bool:
         """Return whether an output has a rate of finite variance: no noise makes it jump.
 
-        `row`, `direct`: row ``(..., n)`` of C and direct term ``(...)`` of the output.
+        `row`, `direct`: row ``(..., n)`` of C and direct term ``(...)`` of the output. Nothing of
+        the noise N reaches it at once (row N = 0), nor the known wind, and a sample leaves it as it
+        is, x -> J x with row J = row.
         """
         return (
             not np.any(_times(row, self.noise))
@@ -308,12 +310,15 @@ class DrivenLoop:
         return {output: self.signal(output) for output in self.labels}
 
     def derivative(self, row: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct term of the rate of a smooth output with this `row` of C."""
+        """Return row and direct term of the rate of a smooth output with this `row` of C.
+
+        y' = row x' = (row A) x + (row B_w) alpha_w.
+        """
         return _times(row, self.A), np.sum(row * self.wind, axis=-1)
 
 
 def _times(row: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Return row times matrix, ``(..., n)`` and ``(..., n, n)``."""
+    """Return row times matrix, ``(..., n)``, of `row` ``(..., n)`` and `matrix` ``(..., n, n)``."""
     return np.asarray((row[..., np.newaxis, :] @ matrix)[..., 0, :])
 
 
@@ -334,10 +339,13 @@ def driven_loop(
 ) -> DrivenLoop:
     """Return the loop of an autopilot and a plant behind a shaping filter of turbulence.
 
+    Its outputs are those of the closed loop, the drift rate, loads, rate and acceleration of the
+    deflection where these have a variance, and what is behind a low-pass.
+
     `autopilot`, `plant`: one each, or a batch along a flight. `shape`: A, b and c of the filter in
     time, to the wind angle [rad]; with leading axes for a batch of plants. `speed`: of the vehicle
     [m/s], ``(...)``. `noise`: of the sensors. `loads`: slopes of further outputs. `drift`: whether
-    the drift is a state, which has no stationary covariance.
+    the drift [m], the integral of the drift rate, is a state; it has no stationary covariance.
 
     `InputError` for a Pade approximation that hides an instability, and for an autopilot without
     actuator whose deflection follows the noise of a sensor.
@@ -353,16 +361,19 @@ def driven_loop(
         row, direct = loop.row(PATH)
         V = np.asarray(speed)
         more[DRIFT_RATE] = V[..., np.newaxis] * row, V * direct
-    alpha, deflection = loop.row(ANGLE_OF_ATTACK), loop.row(DEFLECTION)
-    for name, slopes in (loads.slopes if loads else {}).items():
-        by_alpha, by_deflection = (np.asarray(slope)[..., np.newaxis] for slope in slopes)
-        row = by_alpha * alpha[0] + by_deflection * deflection[0]
-        more[name] = row, slopes[0] * alpha[1] + slopes[1] * deflection[1]
-    if loop.is_smooth(*deflection) and _is_constant(deflection[0]):
-        rate = more[DEFLECTION_RATE] = loop.derivative(deflection[0])
-        random = np.any(_times(rate[0], loop.noise)) or np.any(rate[1])
-        if not random and _is_constant(rate[0]):
-            more[ACCELERATION] = loop.derivative(rate[0])
+    alpha_row, alpha_direct = loop.row(ANGLE_OF_ATTACK)
+    deflection_row, deflection_direct = loop.row(DEFLECTION)
+    for name, (by_alpha, by_deflection) in (loads.slopes if loads else {}).items():
+        of_alpha, of_deflection = (
+            np.asarray(slope)[..., np.newaxis] for slope in (by_alpha, by_deflection)
+        )
+        row = of_alpha * alpha_row + of_deflection * deflection_row
+        more[name] = row, by_alpha * alpha_direct + by_deflection * deflection_direct
+    if loop.is_smooth(deflection_row, deflection_direct) and _is_constant(deflection_row):
+        rate_row, rate_direct = more[DEFLECTION_RATE] = loop.derivative(deflection_row)
+        random = np.any(_times(rate_row, loop.noise)) or np.any(rate_direct)
+        if not random and _is_constant(rate_row):
+            more[ACCELERATION] = loop.derivative(rate_row)
     loop = loop.with_rows(more) if more else loop
     # Further states: angle of attack and loads behind a low-pass, and the drift.
     states: dict[str, tuple[float, FloatArray, FloatArray]] = {}
@@ -381,11 +392,13 @@ def _continuous(
     """Return a loop without samples behind a shaping filter, with the noise of its sensors.
 
     `autopilot`, `plant`: one each, or a batch. `shape`: A, b and c of the filter, from white noise
-    to the wind angle [rad].
+    to the wind angle [rad]. `noise`: of the sensors. `InputError` for a Pade approximation of the
+    delay that hides an instability, and for a deflection that follows the noise at once.
     """
     loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
     if not plant.batch and pade_misleads(autopilot, plant, loop):
         raise errors.InputError(PADE_WARNING.format(autopilot.pade_order))
+    # The last output is the returned command, which only the check above reads.
     driven = _behind_filter(loop.select(loop.inputs, loop.outputs[:-1]), shape)
     if noise is not None:
         sensed = loop.select(SENSOR_NOISE, (DEFLECTION,))
@@ -405,8 +418,9 @@ def _behind_filter(
 ) -> DrivenLoop:
     """Return a system driven by a shaping filter, whose output is the system's input "wind".
 
-    The states are the n of `loop` and the m of the filter. `shape`: matrices a ``(..., m, m)``, b
-    and c of the filter. `batch`: shape with which the arrays broadcast.
+    The states are the n of `loop` and the m of the filter z' = a z + b times white noise, whose
+    output c z is the wind angle [rad]. `shape`: matrices a ``(..., m, m)``, b ``(..., m, 1)`` and c
+    ``(..., 1, m)``. `batch`: shape with which the arrays broadcast.
     """
     system = loop.select(("wind",), loop.outputs)
     a, b, c = shape
@@ -446,6 +460,11 @@ def _sampled(
 ) -> DrivenLoop:
     """Return a sampled loop behind a shaping filter; its states jump at each sample.
 
+    Behind the states of vehicle, actuator and filter follow the command that acts on the actuator
+    (constant between jumps), the commands on their way through the delay, and the states of the
+    law. The delay is a number of complete samples and a rest [s]; with a rest a sample has two
+    intervals, and the command arrives behind the first.
+
     `autopilot`, `plant`: one each, or a batch with one sample rate and delay. `shape`: A, b and c
     of the filter, from white noise to the wind angle [rad]. `noise`: of the sensors.
     """
@@ -464,6 +483,7 @@ def _sampled(
     loop.A[..., : len(vehicle.states), acting] = command.B[..., 0]
     loop.rows[..., acting] = command.D[..., 0]
     # A sample: the law reads the sensors, and its command is the first of those on their way.
+    # Inputs 0 and 1 of the law are attitude and attitude rate, the sensors with noise.
     index = [vehicle.outputs.index(name) for name in sensed]
     sensors, by_sensors = loop.rows[..., index, :], loop.direct[..., index]
     unit = np.eye(laws.stop)

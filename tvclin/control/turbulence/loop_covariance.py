@@ -60,19 +60,30 @@ class GaussianOutputs(Shown):
     _moments: Moments
 
     def _row(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return an output's row of the states and its factor on the wind, if it is known."""
+        """Return row and direct term of an `output` y = row x + direct alpha_w.
+
+        x: states of the loop; alpha_w: known wind [rad]. Shapes ``(states,)`` and ``()``, or with
+        leading n times. `InputError` for an unknown output.
+        """
         return self._signals[one_of("output", output, self.outputs)][:2]
 
     def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return a rate's row of the states and its factor on the wind; `InputError` for a jump."""
+        """Return row and direct term of the rate y' of an `output`, as `_row` of the output.
+
+        `InputError` for an unknown output, and for one that jumps.
+        """
         return self._signals[one_of("output", output, self.outputs)].smooth_rate(output)
 
     def _mean_of(self, row: FloatArray, direct: FloatArray) -> FloatArray:
-        """Return the mean of `row` times states plus `direct` times wind, ``(n,)``."""
+        """Return the mean of row x + direct alpha_w at the n times, ``(n,)``.
+
+        x: states, whose means `_moments` has, with the known wind alpha_w [rad]. `row`: of an
+        output, ``(states,)`` or ``(n, states)``. `direct`: its direct term.
+        """
         return np.asarray(np.sum(row * self._moments.means, axis=-1) + direct * self._moments.wind)
 
     def _deviation_of(self, row: FloatArray) -> FloatArray:
-        """Return the standard deviation of row times states, ``(n,)``."""
+        """Return the standard deviation of `row` times states at the n times, ``(n,)``."""
         return np.asarray(np.sqrt(np.maximum(self._covariance_of(row, row), 0.0)))
 
     def _covariance_of(self, first: FloatArray, second: FloatArray) -> FloatArray:
@@ -82,24 +93,33 @@ class GaussianOutputs(Shown):
         return np.asarray(np.einsum("ki,kij,kj->k", first, covariances, second))
 
     def _absolute_rates(self, output: str) -> FloatArray:
-        """Return E|y'| of an output y, ``(n,)``; `InputError` for an output that jumps."""
+        """Return E|y'| of an `output` y at the n times [its unit/s], ``(n,)``.
+
+        `InputError` for an output that jumps.
+        """
         rate = self._rate(output)
         return mean_absolute(self._mean_of(*rate), self._deviation_of(rate[0]))
 
     def _crossing_rates(self, limit: float, output: str) -> FloatArray:
-        """Return an output's expected crossings [1/s] of +limit up and -limit down, ``(n,)``."""
+        """Return an output's expected crossings [1/s] of +limit up and -limit down, ``(n,)``.
+
+        `limit`: in the SI unit of the output.
+        """
         bound = number("limit", limit, positive)
-        signal, rate = self._row(output), self._rate(output)
-        spread, motion = (self._deviation_of(row) for row, _ in (signal, rate))
-        product = np.maximum(spread * motion, np.finfo(float).tiny)
-        correlation = self._covariance_of(signal[0], rate[0]) / product
-        means = self._mean_of(*signal), self._mean_of(*rate)
-        return crossing_rate(bound, means[0], spread, means[1], motion, correlation)
+        (row, direct), (rate_row, rate_direct) = self._row(output), self._rate(output)
+        deviation, rate_deviation = self._deviation_of(row), self._deviation_of(rate_row)
+        product = np.maximum(deviation * rate_deviation, np.finfo(float).tiny)  # no 0/0
+        correlation = self._covariance_of(row, rate_row) / product
+        mean, rate_mean = self._mean_of(row, direct), self._mean_of(rate_row, rate_direct)
+        return crossing_rate(bound, mean, deviation, rate_mean, rate_deviation, correlation)
 
     def _exceedances(self, limit: float, output: str) -> FloatArray:
-        """Return the probability of ``|output| > limit`` at each of the n times, ``(n,)``."""
-        bound, signal = number("limit", limit, positive), self._row(output)
-        return exceedance(bound, self._mean_of(*signal), self._deviation_of(signal[0]))
+        """Return the probability of ``|output| > limit`` at each of the n times, ``(n,)``.
+
+        `limit`: in the SI unit of the output.
+        """
+        bound, (row, direct) = number("limit", limit, positive), self._row(output)
+        return exceedance(bound, self._mean_of(row, direct), self._deviation_of(row))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +167,7 @@ class LoopCovariance(GaussianOutputs):
     @property
     def max_frequency(self) -> float:
         """Largest frequency of a spectrum [rad/s]: of a sampled autopilot half its rate."""
+        # The intervals of a sample [s], each ahead of a jump; none in continuous time.
         period = sum(jump.length for jump in self._loop.jumps)
         return float(np.pi / period) if period else _MAX_FREQUENCY
 
@@ -177,6 +198,8 @@ class LoopCovariance(GaussianOutputs):
     def mean_absolute_rate(self, output: str = DEFLECTION) -> float:
         """Return E|y'| of an output, of the deflection its travel in each second [rad/s].
 
+        With samples it is the mean over the phases of a sample, with the weights `_weights`.
+
         Raises
         ------
         InputError
@@ -186,6 +209,8 @@ class LoopCovariance(GaussianOutputs):
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> float:
         """Return an output's expected crossings [1/s], of +limit upwards and -limit downwards.
+
+        With samples it is the mean over the phases of a sample.
 
         Raises
         ------
@@ -225,7 +250,10 @@ class LoopCovariance(GaussianOutputs):
     def spectrum(self, omega: ArrayLike, output: str = DEFLECTION) -> FloatArray:
         """Return the one-sided power spectrum, whose integral over omega is the variance.
 
-        Of a sampled autopilot it is that of the output at the samples, up to half their rate.
+        Of a sampled autopilot it is that of the output at the samples, up to half their rate. It
+        is f N f*/pi with the factors f = row (p I - A)^-1, where p is j omega and the noise has the
+        intensity N; of a sampled autopilot with the period h, p = exp(j omega h), A is the
+        transition over a sample, and N is h times the covariance of its noise.
 
         Parameters
         ----------
@@ -244,7 +272,7 @@ class LoopCovariance(GaussianOutputs):
         frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
         if loop.jumps:
             F, noise = _over_a_sample(loop)
-            period = np.pi / self.max_frequency
+            period = np.pi / self.max_frequency  # the largest is half the sample rate
             if np.any(frequencies > self.max_frequency):
                 raise InputError(
                     f"omega must be up to half the sample rate, {self.max_frequency:.6g} rad/s; got"
@@ -337,20 +365,22 @@ def turbulence_covariance(
     check_single("turbulence_covariance", autopilot, plant, loads)
     V = number("speed", speed)
     altitude = None if altitude is None else number("altitude", altitude, unit="m")
-    shape = turbulence.shaping_filter(V, altitude)
-    loop = driven_loop(autopilot, plant, (*shape[:2], shape[2] / V), np.asarray(V), noise, loads)
+    a, b, c = turbulence.shaping_filter(V, altitude)  # of the velocity w; the angle is w/V
+    loop = driven_loop(autopilot, plant, (a, b, c / V), np.asarray(V), noise, loads)
     covariances, weights = stationary(loop)
+    # No known wind, so means of zero.
     moments = Moments(np.zeros(len(weights)), np.zeros(covariances.shape[:-1]), covariances)
-    intensity = float(turbulence.over(altitude)[0])
-    return LoopCovariance(intensity, V, loop.labels, loop, loop.output_signals, moments, weights)
+    sigma, _ = turbulence.over(altitude)
+    return LoopCovariance(float(sigma), V, loop.labels, loop, loop.output_signals, moments, weights)
 
 
 def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
     """Return the stationary covariance of n states at k times within a sample, and their weights.
 
-    `loop`: one loop. Shapes ``(k, n, n)`` and ``(k,)``: the mean over a sample is the sum of
-    weights times values, by Simpson's rule. In continuous time k is 1. `InputError` for an unstable
-    loop.
+    `loop`: one loop, with A [1/s], the intensity N of its noise, and the jumps of its states at
+    samples. Shapes ``(k, n, n)`` and ``(k,)``: the mean over a sample is the sum of weights times
+    values, by Simpson's rule on 17 times of each interval ahead of a jump. In continuous time k is
+    1. `InputError` for an unstable loop.
     """
     if not loop.jumps:
         poles = np.linalg.eigvals(loop.A)
@@ -387,7 +417,8 @@ def _unstable(pole: complex) -> str:
 def _over_a_sample(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
     """Return transition F and noise covariance, ``(n, n)``, from one sample of a loop to the next.
 
-    The n states are those behind a sample: x -> F x plus noise.
+    The n states are those behind a sample: x -> F x plus noise. `loop`: one sampled loop, with the
+    intervals of a sample in `jumps`, each ending in a jump of the states.
     """
     n = len(loop.A)
     F, noise = np.eye(n), np.zeros((n, n))
