@@ -358,8 +358,8 @@ def test_a_flight_that_turns_back_from_beyond_linear_aerodynamics_does_not_survi
     mode = FlightMode(schedule, "drift-exact", "pitch", schedule.span)
     wind = NominalWind(tv.SampledWind(time=time, angle=angle))
     steps = encountered_at_steps(mode, wind, FLIGHT_SUBSTEPS)
-    flights = LimitedFlights(mode.at_steps(steps[0]), *steps).select(np.zeros(2, dtype=int))
-    assert flights.leave_linear_range(limits).tolist() == [True, False]
+    flights = LimitedFlights(mode.at_steps(steps[0]), *steps)
+    assert flights.diverge(limits[np.newaxis]).tolist() == [[True, False]]
 
 
 def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_i) -> None:

@@ -22,7 +22,8 @@ The ideal trim law with a deflection limit L is
 with k the positive root of k^2 - d k = |mu_alpha| and the damping d = -A_22: all moments are
 trimmed, that of damping too, and the unstable component of the attitude on a fixed path brought
 back. Its flight diverges if in the end L, constant, cannot bring the unstable component back,
-|p.x| > L |R|. Where the law reaches its limit within a step the rule is of second order.
+|p.x| > L |R|, or if its attitude has left the range of the linear equations before. Where the law
+reaches its limit within a step the rule is of second order.
 """
 
 import math
@@ -254,6 +255,8 @@ def limited_trim(
     end: Any,
     onset: Any,
     gain: float,
+    max_attitude: Any,
+    checked: int,
     limits: Any,
     diverged: Any,
     first: int,
@@ -264,13 +267,15 @@ def limited_trim(
     They are flights of the ideal trim law with a deflection limit. `steps`: steps, equations and
     winds of the n cases. `end`: costate p and control reach R at the end, ``(n, m + 1)``. `onset`:
     position at which each wind begins, in steps, ``(n,)``. `gain`: ratio of the attitude feedback
-    to trim. Cases from `first` up to `last` are computed.
+    to trim. `max_attitude`: attitudes [rad] beyond which a flight counts as diverged, ``(n,)``, in
+    the first `checked` steps. Cases from `first` up to `last` are computed.
     """
     count, m, tries = steps.lengths.shape[1], steps.equations.shape[3], limits.shape[1]
     matrix, law = np.empty((3, m, m + 2)), np.empty((3, m + 1))
     states, state, rates = np.empty((tries, m)), np.empty(m), np.empty((4, m))
     for case in range(first, last):
         for k in range(tries):
+            diverged[case, k] = False
             for i in range(m):
                 states[k, i] = 0.0
         for s in range(int(onset[case]), count):
@@ -280,12 +285,14 @@ def limited_trim(
             h, wind = steps.lengths[case, s], steps.wind[case, s]
             for k in range(tries):
                 _limited_step(matrix, law, wind, h, limits[case, k], states[k], state, rates)
+                if s < checked and abs(states[k, 0]) > max_attitude[case]:
+                    diverged[case, k] = True
         for k in range(tries):
             component = 0.0
             for i in range(m):
                 component += end[case, i] * states[k, i]
             reached = limits[case, k] * abs(end[case, m])
-            diverged[case, k] = not abs(component) <= reached  # also of an overflow
+            diverged[case, k] = diverged[case, k] or not abs(component) <= reached  # or an overflow
 
 
 @inlined

@@ -64,9 +64,6 @@ signs, or more than once while the path drifts. With less than the first the att
 linear range."""
 _MIN_RATIO_SIGN_CHANGE = 0.01
 """Smallest limit of flights over the largest trim, where mu_alpha changes its sign."""
-_STEPS_PER_CHECK = int(0.5 * FLIGHT_SUBSTEPS / STEP)
-"""Number of steps of a flight, of half a time constant together, after which its attitude is
-compared with linear aerodynamics."""
 _MIN_LIMIT = 1e-12
 """Smallest limit of a flight [rad], in place of zero."""
 _EVEN_STEP = 0.125
@@ -471,50 +468,36 @@ class LimitedFlights:
     def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
         """Return whether flights through k winds diverge with limits [rad], ``(k, tries)``.
 
-        `cases`: indices of these winds, by default all.
+        `cases`: indices of these winds, by default all. Where mu_alpha changes its sign, a flight
+        also diverges with an attitude above `MAX_LINEAR_ANGLE` before the calm of
+        `with_calm_after`: a vehicle that becomes stable turns back from any attitude, by linear
+        equations. Elsewhere such a flight diverges by itself.
         """
         selected = self if isinstance(cases, slice) else self.select(cases)
         order, diverged = selected.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
         columns = _columns(
             selected.equations, selected.times, selected.wind, selected.ratio, selected.onset
         )
-        work = selected.wind.shape[1] * limits.size * order
+        steps, calm = selected.wind.shape[1], int(steps_after(selected.equations).max())
+        changes = np.broadcast_to(selected.equations.changes_sign, len(limits))
+        max_attitude = np.where(changes, MAX_LINEAR_ANGLE, np.inf)
+        checked = steps - calm if steps > calm else steps
+        tried = np.require(limits, float, ["C", "W"])
+        work = steps * limits.size * order
         run(
             marches.limited_trim,
-            (*columns, _FEEDBACK_OVER_TRIM, np.require(limits, float, ["C", "W"]), diverged),
+            (*columns, _FEEDBACK_OVER_TRIM, max_attitude, checked, tried, diverged),
             len(limits),
             marches.LIMITED_PLAIN * work,
             marches.LIMITED_COMPILED * work,
         )
         return diverged
 
-    def leave_linear_range(self, limits: FloatArray) -> BoolArray:
-        """Return whether flights with a limit each, ``(n,)`` [rad], leave linear aerodynamics.
-
-        They do with an attitude above `MAX_LINEAR_ANGLE` after a multiple of `_STEPS_PER_CHECK`
-        steps, before the calm of `with_calm_after`. Where mu_alpha keeps its sign none is checked,
-        since such a flight diverges; a vehicle that becomes stable turns back from any attitude, by
-        linear equations.
-        """
-        leaves = np.zeros(limits.shape, dtype=bool)
-        if not np.any(self.equations.changes_sign):
-            return leaves
-        steps, calm = self.wind.shape[1], int(steps_after(self.equations).max())
-        ends = np.zeros((limits.size, self.equations.nominal.shape[-2] + 1))
-        ends[:, 0], ends[:, -1] = 1.0, MAX_LINEAR_ANGLE / limits
-        last = steps - calm if steps > calm else steps
-        for stop in range(_STEPS_PER_CHECK, last + 1, _STEPS_PER_CHECK):
-            equations = self.equations.until(stop, ends)
-            times, wind, ratio = (x[:, :stop] for x in (self.times, self.wind, self.ratio))
-            until = LimitedFlights(equations, times, wind, ratio, self.onset)
-            leaves |= until.diverge(limits[:, np.newaxis])[:, 0]
-        return leaves & self.equations.changes_sign
-
     def requirement(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Return the smallest limits [rad] from which on all survive, at least `low`, ``(n,)``.
 
-        They also keep to linear aerodynamics, see `leave_linear_range`. Infinite where flights with
-        `high` [rad] diverge too, with which the law should never be limited.
+        Infinite where flights with `high` [rad] diverge too, with which the law should never be
+        limited.
         """
         from tvclin.flights.closed_loop.survival_limit import (
             limits_above_losses,  # late: with all flights
@@ -528,13 +511,6 @@ class LimitedFlights:
                 return self.diverge(limits.T, case).T
 
             edge, never = limits_above_losses(diverge, bottom[case], top[case])
-
-            def leave(limits: FloatArray, case: IndexArray = case) -> BoolArray:
-                flights = self.select(np.repeat(case, limits.size))
-                return flights.leave_linear_range(limits.ravel()).reshape(limits.shape)
-
-            if np.any(leave(edge)):
-                edge, never = limits_above_losses(leave, edge, top[case])
             required[case] = np.where(never, np.inf, np.maximum(edge, low[case]))
         return required
 
@@ -553,9 +529,6 @@ class LimitedFlights:
         fine, coarse = (np.ceil(x / step) for x, step in zip(spans, (FINE, STRIDE), strict=True))
         counts = _LIMITS_MULTIPLE * np.ceil((fine + coarse)[:, 0] / _LIMITS_MULTIPLE).astype(int)
         survives = ~self.diverge(low[:, np.newaxis])[:, 0]
-        cases = np.flatnonzero(survives)
-        if cases.size:
-            survives[cases] = ~self.select(cases).leave_linear_range(low[cases])
         for count in np.unique(counts[survives & (counts > 0)]).tolist():
             cases = np.flatnonzero(survives & (counts == count))
             k, n = np.arange(1, count + 1), fine[cases]

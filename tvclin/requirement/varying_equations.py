@@ -13,7 +13,7 @@ them of any control.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -283,13 +283,6 @@ class Equations:
             selected(self.quick_path),
             tuple(mode for mode in modes if mode.cases.size),
         )
-
-    def until(self, stop: int, end: FloatArray) -> Equations:
-        """Return the equations of the first `stop` steps, with another `end`, ``(n, m + 1)``."""
-        nominal, slopes = (
-            x if x.shape[1] == 1 else x[:, :stop] for x in (self.nominal, self.slopes)
-        )
-        return replace(self, nominal=nominal, slopes=slopes, end=end)
 
     @property
     def fastest(self) -> FloatArray:
