@@ -61,10 +61,11 @@ def solve_with_drift(
 
         K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0
 
-    y is the boundary limit. `p`: pole times half the duration. `K`: dead band. `kappa`: (b1 -
-    b2)/(beta + b1). `K1`: 1 - kappa. `rho`: b1/beta. All arrays have one shape. L = -ln(2 e^(-p) -
-    e^(-2p)). For b2 <= b1 the left side falls from a positive value at z = 0 and is concave, so
-    that it has one root, below p/K and 1/(1 - K), which Newton's method finds inside a bracket.
+    y is the boundary limit over static trim, and psi(x) = (e^(-x) - 1 + x)/x^2. `p`: pole times
+    half the duration. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1). `K1`: 1 - kappa. `rho`:
+    b1/beta. All arrays have one shape. L = -ln(2 e^(-p) - e^(-2p)). For b2 <= b1 the left side
+    falls from a positive value at z = 0 and is concave, so that it has one root, below p/K and 1/(1
+    - K), which Newton's method finds inside a bracket.
     """
     L = _minus_log_R(p)
 
@@ -126,9 +127,11 @@ class TriangularLimit:
 
 
 def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:
-    """Return y_BR of a rectangular wind, eq (7), and with drift eq (16).
+    """Return the boundary limit y_BR of a rectangular wind, over static trim, eqs (7) and (16).
 
         y_BR = K1 (1 - e^(-tau beta))
+
+    Eq (7) of Borsody and Teren is without drift, where K1 = 1; eq (16) is with drift.
 
     Parameters
     ----------
@@ -185,9 +188,10 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
 def triangular_limit_with_drift(
     tau_beta: ArrayLike, dead_band: ArrayLike, beta: ArrayLike, b1: ArrayLike, b2: ArrayLike
 ) -> Any:
-    """Return y_BR of a triangular wind with drift, eq (18); NaN without convergence.
+    """Return the boundary limit y_BR of a triangular wind with drift, eq (18), over static trim.
 
-    `solve_triangular_with_drift` gives the same with a status for each element.
+    NaN without convergence. `solve_triangular_with_drift` gives the same with a status for each
+    element.
 
     Parameters
     ----------
@@ -198,8 +202,8 @@ def triangular_limit_with_drift(
     beta : array_like
         Vehicle response parameter [1/s], or with damping the pole, 1e-9 to 1e9.
     b1, b2 : array_like
-        Zeros of the numerators [1/s], eq (B7), at most 1e9 in size, with beta + b1 and beta + b2
-        positive.
+        Zeros -b1 and -b2 of the numerators of deflection and wind to the attitude [1/s], eq (B7),
+        at most 1e9 in size, with beta + b1 and beta + b2 positive.
 
     Raises
     ------
@@ -212,7 +216,7 @@ def triangular_limit_with_drift(
 def solve_triangular_with_drift(
     tau_beta: ArrayLike, dead_band: ArrayLike, beta: ArrayLike, b1: ArrayLike, b2: ArrayLike
 ) -> TriangularLimit:
-    """Return the solution of eq (18) with a status for each element.
+    """Return the boundary limit of a triangular wind with drift, eq (18), with a status.
 
     Parameters
     ----------
@@ -226,9 +230,14 @@ def solve_triangular_with_drift(
 
     Notes
     -----
-    With z = p y eq (18) reads
+    y is the boundary limit over static trim, K the dead band, and the trim deflection leaves it
+    after y K/2 of the duration, eq (11). With p = tau beta/2 and z = p y eq (18) of Borsody and
+    Teren reads
 
-        K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0.
+        K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0,
+
+    L = -ln(2 e^(-p) - e^(-2p)), K1 = (beta + b2)/(beta + b1), kappa = 1 - K1, rho = b1/beta, and
+    psi(x) = (e^(-x) - 1 + x)/x^2. Above K y = 1 trim never reaches K times the limit.
     """
     arrays = {
         "tau_beta": positive("tau_beta", tau_beta),

@@ -103,7 +103,11 @@ class PlanePair:
 
     @cached_property
     def _strengths(self) -> tuple[FloatArray, FloatArray]:
-        """Factors -B K1 p [1/s] from remaining wind integral to demand, ``(N,)`` in each plane."""
+        """Factors -B K1 p [1/s] from remaining wind integral to demand, ``(N,)`` in each plane.
+
+        Of each of N unstable poles p; B K1 is N_wind(p)/N_deflection(p) of the attitude. The demand
+        is the constant deflection [rad] that cancels the wind's excitation of the mode.
+        """
         pitch, yaw = (
             np.asarray(-wind_over_deflection(plant, poles) * poles)
             for plant, poles in zip(self.plants, self.poles, strict=True)
@@ -112,7 +116,10 @@ class PlanePair:
 
     @cached_property
     def _remaining_integrals(self) -> tuple[PlaneIntegrals, PlaneIntegrals]:
-        """Functions of time [s] to remaining integrals of trim and wind, at the fast poles."""
+        """Functions of time [s] to remaining integrals of trim and wind [rad s], at the fast poles.
+
+        The remaining integral of f at a pole p is that of e^(-p (r - t)) f(r) dr from t on.
+        """
         (p, *_), (r, *_) = self.poles
         trim, wind = (
             (history.pitch.remaining_integral_of(p), history.yaw.remaining_integral_of(r))
@@ -121,22 +128,35 @@ class PlanePair:
         return trim, wind
 
     def required_constant(self, t: FloatArray) -> Vectors:
-        """Return the constant deflection [rad] required after `t` [s], the mean of trim, (4b)."""
+        """Return the constant deflection [rad] required after `t` [s] of trim, pitch + j yaw.
+
+        By the residue condition (4b) it is the mean of the remaining trim with the weight p e^(-p
+        (r - t)), p being the fast pole of each plane.
+        """
         (p, *_), (r, *_) = self.poles
-        pitch, yaw = self._remaining_integrals[0]
+        (pitch, yaw), _ = self._remaining_integrals  # of trim
         return np.asarray(p * pitch(t) + 1j * r * yaw(t))
 
     def wind_demand(self, t: FloatArray) -> Vectors:
-        """Return the wind demand [rad] after `t` [s] of the fastest modes, pitch + j yaw."""
-        (p, *_), (r, *_) = self._strengths
-        pitch, yaw = self._remaining_integrals[1]
-        return np.asarray(p * pitch(t) + 1j * (r * yaw(t)))
+        """Return the wind demand [rad] after `t` [s] of the fastest modes, pitch + j yaw.
+
+        It is the constant deflection from `t` on that cancels the excitation of these modes by the
+        wind from `t` on.
+        """
+        (pitch_factor, *_), (yaw_factor, *_) = self._strengths  # of the fastest modes [1/s]
+        _, (pitch, yaw) = self._remaining_integrals  # of the wind
+        return np.asarray(pitch_factor * pitch(t) + 1j * (yaw_factor * yaw(t)))
 
     def mode_demands(self, plane: int, t: float, after_trim: bool) -> FloatArray:
         """Return the demand [rad] of each mode of a plane from `t` [s] on, ``(N,)``.
 
+        The demand of an unstable mode is the constant deflection from `t` on that leaves it without
+        excitation. With I the integral of e^(-p (r - t)) f(r) dr from `t` on, p being its pole, it
+        is p I of the trim deflection, since trim itself is such a deflection, and -B K1 p I of the
+        wind for a vehicle at rest at `t`; B K1 is N_wind(p)/N_deflection(p) of the attitude.
+
         `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the vehicle is trimmed up to then; else
-        the demand is the wind's, -B K1 W.
+        it is at rest.
         """
         history, factors = (self.trim, self.poles) if after_trim else (self.wind, self._strengths)
         component, poles = (history.pitch, history.yaw)[plane], self.poles[plane]
@@ -148,7 +168,10 @@ class PlanePair:
         return np.asarray(np.real(vector) * pitch + 1j * np.imag(vector) * yaw)
 
     def demand_between(self, s: FloatArray, T: FloatArray) -> ComplexArray:
-        """Return the demand [rad] of the wind from `s` to `T` [s]; zero for T < s."""
+        """Return the demand [rad] of the wind from `s` to `T` [s], pitch + j yaw; zero for T < s.
+
+        It is the constant deflection from `s` on that cancels its excitation of the fast modes.
+        """
         demand = self.wind_demand(s) - self.decayed(self.wind_demand(T), np.maximum(T - s, 0.0))
         return np.where(T > s, demand, 0.0)
 
@@ -159,7 +182,11 @@ class PlanePair:
         return np.asarray(-pitch * np.real(w) - 1j * yaw * np.imag(w))
 
     def times(self) -> FloatArray:
-        """Return times [s] that resolve the wind: its breakpoints, both sides, and more."""
+        """Return times [s] that resolve the wind: both sides of its breakpoints, and between them.
+
+        In each piece at least 64 times, and eight for each radian or e-folding of its fastest term,
+        within `_MAX_TIMES`.
+        """
         times = []
         for history in (self.wind.pitch, self.wind.yaw):
             longest = np.diff(history.knots).max(initial=0.0)
@@ -223,7 +250,9 @@ def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], Float
 def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     """Return the lower bound [rad] for laws that know the wind, but not when it stops.
 
-    The fast mode of each plane of `pair` sets it, with S a `limit_shape`. With planes that differ,
+    The fast mode of each plane of `pair` sets it: the demand of the wind from its onset to any time
+    must be in y S, and that between any two times in y (S - S), with S the `limit_shape` and y the
+    bound. The maximum over both times is taken on a grid and refined. With planes that differ,
     it is computed for states that a constant vector returns from: up to two percent too large where
     the poles differ by half.
     """
@@ -234,7 +263,7 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     gauge = _difference_gauge(limit_shape)
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the bound [rad] for a wind between `s` and `T` [s]."""
+        """Return the bound [rad] for a wind between `s` and `T` [s], by the gauge of S - S."""
         return gauge(pair.demand_between(s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
@@ -354,7 +383,9 @@ def minimum_in_planes(
 ) -> PlaneOptimum:
     """Return `plane_optimum` of checked arguments: plants and wind of `pair` in a `limit_shape`.
 
-    The control begins after trim up to `exit_time` [s]; without it, at the onset of the wind.
+    The control begins after trim up to `exit_time` [s]; without it, at the onset of the wind. Two
+    cases need no program: a wind of one direction with a round shape is a scalar optimum, and with
+    one pole, the same in both planes, the constant deflection that the wind demands is optimal.
     """
     starts_with_wind, onset = exit_time is None, float(pair.wind.onset)
     start = onset if exit_time is None else exit_time
@@ -384,9 +415,11 @@ def _optimum(
     pair: PlanePair, times: FloatArray, deflections: Vectors, proof: Certificate
 ) -> PlaneOptimum:
     """Return the record of a `pair` for `deflections` [rad] from `times` [s] on, with `proof`."""
-    scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
+    trim_of_peak = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     status = OK if proof.gap < _MAX_GAP else NOT_CONVERGED
-    return PlaneOptimum(proof.primal / scale, proof.primal, times, deflections, proof, status)
+    return PlaneOptimum(
+        proof.primal / trim_of_peak, proof.primal, times, deflections, proof, status
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -447,7 +480,7 @@ class _Moments:
     def norm(self, multipliers: FloatArray) -> float:
         """Return N, the integral of the support of lambda . a p e^(-p t) over time, by quadrature.
 
-        `multipliers`: lambda, ``(k,)``, of the k poles p with unit vectors a.
+        `multipliers`: lambda, ``(k,)``, of the k poles p; a is 1 in pitch and j in yaw.
         """
         values, weights = self.nodes
         return float(weights @ self.limit_shape.support(multipliers @ values))
@@ -512,10 +545,14 @@ def _corrected(
 ) -> tuple[FloatArray, Vectors, Certificate]:
     """Return times [s], deflections [rad] that satisfy the conditions, and their certificate.
 
+    The conditions are that the sum over the cells of conj(cell integral) times deflection has the
+    real part `moments.demands` [rad], one for each unstable pole of either plane.
+
     `moments`: the conditions in cells. `onset`: start of the control [s]. `best`: multipliers
     ``(k,)`` of the lower bound. `deflections`: in the cells, over `size` [rad], ``(n,)``.
     """
     d, cells, limit_shape = moments.demands / size, moments.cells, moments.limit_shape
+    # The smallest correction that is a combination of the functions a e^(-p t) at the cells' starts
     for _ in range(2):  # the second time for the rounding of the first
         missing = d - np.real(np.conj(cells) @ deflections)
         basis = moments.axes[:, np.newaxis] * np.exp(-np.outer(moments.poles, moments.edges[:-1]))

@@ -238,7 +238,12 @@ class Plant(WithCoefficients):
 
     @cached_property
     def denominator(self) -> FloatArray:
-        """Characteristic polynomial, ``(..., order + 1)``, highest power first."""
+        """Characteristic polynomial, ``(..., order + 1)``, highest power first.
+
+        Of the coefficients mu_alpha = beta^2 [1/s^2], damping d [1/s], C1 [1/s] and C2 [1/s^3] of
+        eq (B7), and the gravity term q = (g cos(Theta_n)/V_n)^2 [1/s^2], as in the table at the
+        head of this file.
+        """
         c, d = self.coefficients, self.coefficients.damping
         stiffness = c.C1 * d - c.mu_alpha
         last = {
@@ -303,10 +308,11 @@ class Plant(WithCoefficients):
         return from_deflection, from_wind, slope
 
     def low_order_terms(self) -> list[FloatArray]:
-        """Return the last coefficients of D, N_deflection and N_wind of the attitude, ``(..., k)``.
+        """Return D, N_deflection and N_wind of the attitude without a common zero at s = 0.
 
-        D is the denominator, N the numerators, highest power of s first. They are divided by s
-        where it divides all of them (in yaw).
+        D is the denominator, N the numerators, ``(..., k)`` each, highest power of s first. Where s
+        divides all of them (in yaw) they are divided by it: the last coefficient, which is zero,
+        moves to the front.
         """
         terms = [self.denominator, *(self.numerator("attitude", i) for i in INPUTS)]
         common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)
@@ -337,8 +343,9 @@ class Plant(WithCoefficients):
     def trim_filter(self) -> tuple[Any, Any, Any]:
         """Coefficients b1, b2 [1/s] and q [1/s^2] of the filter from a wind to its trim.
 
-        The filter, eq before (17), is -B (s^2 + b2 s + q)/(s^2 + b1 s + q); without drift the
-        coefficients are zero.
+        The filter, eq before (17), is -B (s^2 + b2 s + q)/(s^2 + b1 s + q), the ratio of the
+        numerators of wind and deflection to the attitude; in the models without q it is -B (s +
+        b2)/(s + b1), and on a fixed path -B, with coefficients of zero.
         """
         c = self.coefficients
         if self.model == "fixed-path":
@@ -421,7 +428,8 @@ class Plant(WithCoefficients):
         A, B, C, D = self.matrices()
         speed = self._velocity(signal)
         if signal == "drift_rate":
-            return speed * C[..., 2, :], speed * D[..., 2, :]
+            return speed * C[..., 2, :], speed * D[..., 2, :]  # output 2: flight path angle
+        # N/m and T_c/m [m/s^2]; state 1 is the attitude rate, output -1 alpha, input 0 delta
         normal, lateral = (speed * force for force in self._normal_forces)
         direct = normal * D[..., -1, :] + station * B[..., 1, :]
         direct[..., 0] += lateral[..., 0]
@@ -439,8 +447,8 @@ class Plant(WithCoefficients):
         speed = self._velocity(signal)
         if signal == "drift_rate":
             return speed * self.numerator("flight_path_angle", input)
-        normal, lateral = (speed * force for force in self._normal_forces)
-        turning = polynomials.times_variable(self._attitude(input), 2)
+        normal, lateral = (speed * force for force in self._normal_forces)  # N/m, T_c/m [m/s^2]
+        turning = polynomials.times_variable(self._attitude(input), 2)  # theta'' = s^2 theta
         forces = normal * self.numerator("angle_of_attack", input)
         if input == "deflection":
             forces = polynomials.add(forces, lateral * self.denominator)
@@ -467,7 +475,11 @@ class Plant(WithCoefficients):
 
     @property
     def _normal_forces(self) -> tuple[FloatArray, FloatArray]:
-        """N/(m V) and T_c/(m V) [1/s], ``(..., 1)``: forces normal to the body per angle."""
+        """N/(m V) and T_c/(m V) [1/s], ``(..., 1)``: forces normal to the body per angle.
+
+        N is the normal force per angle of attack and T_c the thrust that turns, both [N/rad]. From
+        the coefficients of eq (B7): N/(m V) = C1 - b2, and T_c/(m V) = (b1 - C1)/B.
+        """
         c = self.coefficients
         if np.any(np.asarray(c.mu_alpha) == 0.0):
             raise InputError(
@@ -484,7 +496,7 @@ class Plant(WithCoefficients):
         return names[: self.denominator.shape[-1] - 1]
 
     def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return A, B, C, D with the leading axes of the batch.
+        """Return A, B, C, D in the order of `states`, `inputs` and `outputs`, with the batch first.
 
         Notes
         -----
@@ -518,8 +530,10 @@ class Plant(WithCoefficients):
     def path_per_attitude(self, poles: AnyArray) -> AnyArray:
         """Return the ratio of flight path angle to attitude in a free mode e^(p t), ``(..., N)``.
 
-        From the flight path equation, (p + damping + q/p) gamma = attitude theta; the angle of
-        attack of the mode is the remainder of its attitude.
+        From the flight path equation, (p + damping + q/p) gamma = attitude theta, whose
+        coefficients `attitude` and `damping` [1/s] are those of `_PathCoefficients`, and q [1/s^2]
+        the gravity term of "drift-and-speed"; the angle of attack of the mode is the remainder of
+        its attitude.
 
         Parameters
         ----------
@@ -527,16 +541,21 @@ class Plant(WithCoefficients):
             Poles of the plant [1/s], ``(..., N)``.
         """
         c, path = self.coefficients, self._path
-        turning = c.q if self.model == "drift-and-speed" else 0.0
-        pull, damping, turning = (
-            np.asarray(a)[..., np.newaxis] for a in (path.attitude, path.damping, turning)
+        gravity_term = c.q if self.model == "drift-and-speed" else 0.0  # [1/s^2]
+        pull, damping, q = (
+            np.asarray(a)[..., np.newaxis] for a in (path.attitude, path.damping, gravity_term)
         )
-        resistance = poles * (poles + damping) + turning
+        resistance = poles * (poles + damping) + q
         free = resistance == 0.0  # in the drift model the path angle is free
         return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
 
     def _attitude(self, input: str) -> FloatArray:
-        """Return the numerator from `input` to the attitude, highest power of s first."""
+        """Return the numerator from `input` to the attitude, ``(..., k)``, highest power first.
+
+        It is -mu_delta (s + b1) from the deflection and -mu_alpha (s + b2) from the wind, eq (B7):
+        both pitch the nose down. On a fixed path the zero is missing, and in "drift-and-speed" the
+        factor is s^2 + b s + q, with the gravity term q = (g cos(Theta_n)/V_n)^2 [1/s^2] for both.
+        """
         c = self.coefficients
         gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)
         factors: dict[str, tuple[Any, ...]] = {

@@ -79,7 +79,7 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
     first = np.ldexp(lengths, -doublings)[:, np.newaxis, np.newaxis]
     step = A * first
     F = exponential_series(step)
-    term = noise * first
+    term = noise * first  # h^k/k! times the k-th derivative of Q(h) at zero, here k = 1
     Q = term.copy()
     for k in range(2, _SERIES_TERMS + 1):
         product = step @ term
@@ -87,7 +87,7 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
         term *= 1.0 / k
         Q += term
     with np.errstate(over="ignore", invalid="ignore"):
-        for _ in range(doublings):
+        for _ in range(doublings):  # from h to 2 h
             Q += F @ Q @ np.swapaxes(F, -1, -2)
             F = F @ F
         return F * (scale[:, np.newaxis] / scale), Q * np.multiply.outer(scale, scale)
@@ -99,20 +99,25 @@ def constant_over_steps(
     """Return the constant A and N with the same step, to fourth order, as those that vary.
 
     Both ``(m, n, n)``. `A`, `noise`: state matrix A [1/s] and noise density N of x' = A x + n, at
-    the two Gauss points (`GAUSS_NODES`) of each step, each ``(m, n, n)``. `times`: lengths of the
-    steps [s], ``(m,)``.
+    the two Gauss points (`GAUSS_NODES`) of each step, each ``(m, n, n)``; N is symmetric. `times`:
+    lengths of the steps [s], ``(m,)``.
+
+    By Magnus' expansion with two Gauss points (Blanes, Casas, Oteo and Ros, 2009).
     """
     (A1, A2), (N1, N2) = A, noise
     factor = np.sqrt(3.0) / 12.0 * np.asarray(times)[:, np.newaxis, np.newaxis]
 
-    def driven(matrix: FloatArray, noise: FloatArray) -> FloatArray:
-        """Return A N + N A' of A and N, ``(m, n, n)``."""
+    def noise_slope(matrix: FloatArray, noise: FloatArray) -> FloatArray:
+        """Return A N + N A' of a matrix A and a symmetric noise density N, ``(m, n, n)``.
+
+        It is the rate at which motion by A changes a covariance N.
+        """
         product = matrix @ noise
         return product + np.swapaxes(product, -1, -2)
 
     return (
         constant_generator(A1, A2, times),
-        0.5 * (N1 + N2) + factor * (driven(A2, N1) - driven(A1, N2)),
+        0.5 * (N1 + N2) + factor * (noise_slope(A2, N1) - noise_slope(A1, N2)),
     )
 
 
@@ -139,7 +144,9 @@ def absolute_covariance(
     """Return the covariance of |x| and |y| for Gaussian pairs (x, y); all arrays broadcast.
 
     `mean`, `deviation`: means and standard deviations, each of x and of y. `correlation`: r of x
-    and y, from -1 to 1. Without means the result is (2/pi) d_x d_y (sqrt(1 - r^2) + r asin r - 1).
+    and y, from -1 to 1. For unit deviations its second derivative over r is four times the joint
+    density at zero (Price's theorem); this is integrated twice, over the angle asin(r). Without
+    means the result is (2/pi) d_x d_y (sqrt(1 - r^2) + r asin r - 1).
     """
     from scipy.special import erf  # late: scipy takes long to import
 
@@ -151,7 +158,7 @@ def absolute_covariance(
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
         angle = half * (1.0 + node)
         sine = np.sin(angle)
-        room = np.maximum(1.0 - sine**2, 1e-300)
+        room = np.maximum(1.0 - sine**2, 1e-300)  # not zero, to be divided by
         exponent = np.minimum((squares - product * sine) / (2.0 * room), 700.0)
         total = total + weight * half * (r - sine) * np.exp(-exponent) * (2.0 / np.pi)
     return np.asarray(deviation[0] * deviation[1] * total)
@@ -165,6 +172,7 @@ def exceedance(limit: float, mean: FloatArray, deviation: FloatArray) -> FloatAr
     from scipy.special import ndtr  # late: scipy takes long to import
 
     spread = np.maximum(deviation, np.finfo(float).tiny)
+    # beyond 40 deviations the probability is zero, or one, to rounding
     with np.errstate(over="ignore"):  # of a limit far beyond the spread
         sides = [np.clip((sign * mean - limit) / spread, -40.0, 40.0) for sign in (1.0, -1.0)]
     return np.asarray(ndtr(sides[0]) + ndtr(sides[1]))
@@ -179,6 +187,10 @@ def crossing_rate(
     correlation: FloatArray,
 ) -> FloatArray:
     """Return the expected rate [1/s] of crossings of +limit upwards and of -limit downwards.
+
+    By Rice's formula: with u = (limit - mean)/s and e = (mean_rate/d + rho u)/sqrt(1 - rho^2) the
+    upward rate is (d/s) sqrt(1 - rho^2) phi(u) (phi(e) + e Phi(e)), s and d being the deviations of
+    value and rate, rho their correlation, phi and Phi the normal density and distribution.
 
     `limit`: positive, in the unit of the values. `mean`, `deviation`: mean and standard deviation
     of Gaussian values; `mean_rate`, `rate_deviation`: of their rates. `correlation`: between value

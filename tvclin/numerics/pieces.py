@@ -181,12 +181,17 @@ def value(pieces: Pieces, t: FloatArray) -> AnyArray:
     the batch of `pieces`.
     """
     index, u = locate(pieces, t)
-    result = _evaluate(at_pieces(pieces.coefficients, index, 2), pieces.rates, np.maximum(u, 0.0))
+    c = at_pieces(pieces.coefficients, index, trailing=2)
+    result = _evaluate(c, pieces.rates, np.maximum(u, 0.0))
     return np.where(u < 0.0, 0.0, result)
 
 
 def add(first: Pieces, second: Pieces) -> Pieces:
-    """Return the sum of two batches of histories, which broadcast, on the knots of both."""
+    """Return the sum of two batches of histories, which broadcast, on the knots of both.
+
+    Its rates are those of both. Where the rates of one history begin those of the other, they are
+    not repeated, and the coefficients are added.
+    """
     shape = np.broadcast_shapes(first.batch, second.batch)
     knots = [np.broadcast_to(p.knots, (*shape, p.knots.shape[-1])) for p in (first, second)]
     if np.array_equal(knots[0], knots[1]):
@@ -213,6 +218,7 @@ def before(pieces: Pieces, time: FloatArray) -> Pieces:
     An infinite time leaves the histories of `pieces` as they are.
     """
     shape = np.broadcast_shapes(pieces.batch, time.shape)
+    # Knots after the end move to it, so that their pieces have no width; one more piece is zero.
     edge = time[..., np.newaxis]
     original = np.broadcast_to(pieces.knots, (*shape, pieces.knots.shape[-1]))
     knots = np.minimum(original, edge)
@@ -246,7 +252,7 @@ def locate(pieces: Pieces, t: FloatArray) -> tuple[IndexArray, FloatArray]:
     The latter is negative before the first knot.
     """
     index = np.maximum(_last_at_or_before(pieces.knots, t), 0)
-    return index, t - at_pieces(pieces.knots, index, 0)
+    return index, t - at_pieces(pieces.knots, index, trailing=0)
 
 
 def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
@@ -323,8 +329,8 @@ def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
     """
     index = _last_at_or_before(pieces.knots, knots)
     piece = np.maximum(index, 0)
-    u = np.maximum(knots - at_pieces(pieces.knots, piece, 0), 0.0)
-    c = recentred(at_pieces(pieces.coefficients, piece, 2), pieces.rates, u)
+    u = np.maximum(knots - at_pieces(pieces.knots, piece, trailing=0), 0.0)
+    c = recentred(at_pieces(pieces.coefficients, piece, trailing=2), pieces.rates, u)
     return np.where((index < 0)[..., np.newaxis, np.newaxis], 0.0, c)
 
 
@@ -351,9 +357,10 @@ def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
     edges = _cut(knots, np.abs(rates).max(axis=-1))
     flat = Pieces(knots, c, rates)
     index, u = locate(flat, edges)
-    local = recentred(at_pieces(c, index, 2), rates, np.maximum(u, 0.0))
+    local = recentred(at_pieces(c, index, trailing=2), rates, np.maximum(u, 0.0))
     order = local.shape[-1] + _POLYNOMIAL_DEGREE
     coefficients = np.zeros((*edges.shape, order), dtype=complex)
+    # each polynomial times the Taylor series of its e^(rate u)
     for k in range(_POLYNOMIAL_DEGREE + 1):
         growth = rates[:, np.newaxis, :, np.newaxis] ** k / factorial(k)
         coefficients[..., k : k + local.shape[-1]] += (local * growth).sum(axis=-2)
@@ -390,6 +397,8 @@ def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:
 def magnitude(pieces: Pieces, s: AnyArray) -> FloatArray:
     """Return the sum of the sizes of all terms of the Laplace integral, its rounding over epsilon.
 
+    Epsilon is the relative spacing of floating-point numbers; the sum has no cancellation.
+
     `pieces`: the histories. `s`: ``(...)`` [1/s], which broadcasts with their batch.
     """
     sizes = Pieces(pieces.knots, np.abs(pieces.coefficients), np.real(pieces.rates))
@@ -399,10 +408,11 @@ def magnitude(pieces: Pieces, s: AnyArray) -> FloatArray:
 def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], AnyArray]:
     """Return the function of t whose value is the integral from t on of e^(-s (r - t)) f(r) dr.
 
-    `pieces`: histories f. `s`: ``(...)`` [1/s], which broadcasts with their batch. The function
-    takes times ``(..., m)`` [s] and returns integrals ``(..., m)``; those at the knots are computed
-    once. Every exponential in it decays, so that an unstable mode that is not excited stays exact
-    at any later time.
+    `pieces`: histories f, in each piece a sum of terms c_k u^k e^(rate u) of the time u since its
+    knot. `s`: ``(...)`` [1/s], which broadcasts with their batch. The function takes times ``(...,
+    m)`` [s] and returns integrals ``(..., m)``: the rest of the piece at t, plus the integral from
+    the next knot on, those at the knots being computed once. Every exponential in it decays, so
+    that an unstable mode that is not excited stays exact at any later time.
     """
     at_knots, diverges = _remaining_at_knots(pieces, s)
     after = np.concatenate([at_knots[..., 1:], np.zeros_like(at_knots[..., :1])], axis=-1)
@@ -413,12 +423,13 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
         index, u = locate(pieces, t)
         before_first = u < 0.0
         u = np.maximum(u, 0.0)
-        coefficients = recentred(at_pieces(pieces.coefficients, index, 2), pieces.rates, u)
-        remaining = np.maximum(at_pieces(widths, index, 0) - u, 0.0)
+        local_terms = at_pieces(pieces.coefficients, index, trailing=2)
+        coefficients = recentred(local_terms, pieces.rates, u)
+        remaining = np.maximum(at_pieces(widths, index, trailing=0) - u, 0.0)  # of the piece [s]
         local, _ = integrals(coefficients, pieces.rates, remaining, s)
         endless = np.isinf(remaining)
         decay = np.exp(-column * np.where(endless, 0.0, remaining))
-        tail = np.where(endless, 0.0, decay * at_pieces(after, index, 0))
+        tail = np.where(endless, 0.0, decay * at_pieces(after, index, trailing=0))
         lead = np.exp(-column * np.maximum(pieces.knots[..., :1] - t, 0.0)) * at_knots[..., :1]
         return np.where(
             diverges[..., np.newaxis], np.inf, np.where(before_first, lead, local + tail)
@@ -436,7 +447,7 @@ def _remaining_at_knots(pieces: Pieces, s: AnyArray) -> tuple[AnyArray, BoolArra
     values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
     # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last piece on
     decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
-    result = np.array(values)
+    result = np.array(values)  # I_i, and from the last one down F(t_i)
     for i in range(result.shape[-1] - 2, -1, -1):
         result[..., i] += decay[..., i] * result[..., i + 1]
     return result, np.asarray(diverges.any(axis=-1))
@@ -485,13 +496,15 @@ def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
     `pieces`: histories f. `pole`: ``(...)`` [1/s], which broadcasts with their batch. Where a rate
     is so close to the pole that their difference would cancel, the solution is written as a
     polynomial times e^(pole u) instead of a difference of two exponentials. An endless last piece
-    is resonant for a limited time only: there it gets one more knot.
+    is resonant for a limited time only: there it gets one more knot. In each piece y is a
+    particular solution, with the rates of f, plus a polynomial times e^(pole u), whose constant
+    makes y continuous at the knot.
     """
     shape = np.broadcast_shapes(pieces.batch, pole.shape)
     pieces = _split_endless(spread(pieces, shape), pole)
     c, rates = pieces.coefficients, pieces.rates
     gap = rates - pole[..., np.newaxis]
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # NaN: no gap in an endless piece, which is resonant
         span = np.abs(gap)[..., np.newaxis, :] * pieces.widths[..., np.newaxis]
     resonant = np.where(np.isnan(span), True, span < 1.01 * _RESONANT_SPAN) & np.any(
         c != 0.0, axis=-1
