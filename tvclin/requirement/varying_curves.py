@@ -35,7 +35,10 @@ _OPPOSITE_FRACTION = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Trim and demand of winds over their steps.
+    """Trim and demand of n winds over their S steps.
+
+    A position in steps counts whole steps and the fraction of the next: 2.5 is the middle of the
+    third step.
 
     Attributes
     ----------
@@ -81,7 +84,7 @@ class Curves:
     @cached_property
     def sign(self) -> FloatArray:
         """Sign of the trim deflection of largest size, of each wind, ``(n,)``."""
-        flat = self.trim.reshape(len(self.trim), -1)
+        flat = self.trim.reshape(len(self.trim), -1)  # (n, 3 S): begin, middle, end of each step
         largest = np.argmax(np.abs(flat), axis=-1)[:, np.newaxis]
         return np.asarray(np.sign(np.take_along_axis(flat, largest, axis=-1))[:, 0])
 
@@ -99,7 +102,10 @@ class Curves:
 
     @property
     def highest_limit(self) -> FloatArray:
-        """A limit [rad] that the law never reaches, ``(n,)``."""
+        """A limit [rad] that the law never reaches, ``(n,)``.
+
+        It is above all trim, and above the demand at the end, when the law may hold it for ever.
+        """
         largest = np.maximum(self.largest_trim, np.abs(self.demand[:, -1, 2]))
         return np.asarray(largest * _UNLIMITED_OVER_TRIM)
 
@@ -132,9 +138,10 @@ class Curves:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) of either sign [rad], and its time [s]: K = 1.
 
-        It is at the begin, the middle or the end of a step, at the vertex of trim, or at a crossing
-        of both curves. `paired`: where trim must never be limited, ``(n, S, 3)``. `sign`: sign of
-        the trim that counts, by default either. Both are ``(n,)``.
+        Both are ``(n,)``. The largest is at the begin, the middle or the end of a step, at the
+        vertex of the parabola of trim, or at a crossing of both curves. `paired`: where two
+        unstable modes are a pair, so that trim must never be limited and counts alone, ``(n, S,
+        3)``. `sign`: sign of the trim that counts, by default either.
         """
         lower = smaller(self.trim, self.demand, sign)
         if np.any(paired):
@@ -142,9 +149,9 @@ class Curves:
         flat = lower.reshape(len(lower), -1)
         largest = np.argmax(flat, axis=-1)
         limit = np.take_along_axis(flat, largest[:, np.newaxis], axis=-1)[:, 0]
-        at = 0.5 * (largest % 3) + largest // 3
+        at = 0.5 * (largest % 3) + largest // 3  # position in steps, of three values each
         case, step = np.nonzero(self._largest_demand(sign) > limit[:, np.newaxis])
-        summit = step + _vertex(self.trim[case, step])
+        summit = step + _vertex(self.trim[case, step])  # in steps whose demand permits more
         crossed, crossing = self._crossings(case, step)
         case, position = np.append(case, crossed), np.append(summit, crossing)
         level = smaller(self.trim_at(case, position), self.demand_at(case, position), sign)
@@ -155,7 +162,10 @@ class Curves:
         return limit, self.time_at(np.arange(len(limit)), at)
 
     def _crossings(self, case: IndexArray, step: IndexArray) -> tuple[IndexArray, FloatArray]:
-        """Return the cases and positions at which trim crosses the demand in the given steps."""
+        """Return the cases and positions in steps at which trim crosses the demand.
+
+        `case`, `step`: pairs of the index of a wind and of a step, in which crossings are searched.
+        """
         gap = self.trim[case, step] - self.demand[case, step]
         which, half = np.nonzero(gap[:, :-1] * gap[:, 1:] < 0.0)
         rising, low = np.sign(gap[which, half + 1]), step[which] + 0.5 * half
@@ -176,7 +186,10 @@ class Curves:
         return np.asarray(self.times[..., 2] - self.times[..., 0])
 
     def _largest_demand(self, sign: float | None) -> FloatArray:
-        """Return an upper bound of the demand in each step [rad], of a sign or both, ``(n, S)``."""
+        """Return an upper bound of the demand in each step [rad], ``(n, S)``.
+
+        `sign`: sign of the demand that counts; with None its size counts.
+        """
         begin, end = self.demand[..., 0], self.demand[..., 2]
         ends = np.maximum(np.abs(begin), np.abs(end))
         if sign is not None:
@@ -187,9 +200,9 @@ class Curves:
     def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.
 
-        Both are ``(n,)``; the limit is NaN for a wind of two signs.
-
-        The exit is at a new maximum of trim; of several solutions the last has the largest limit.
+        Both are ``(n,)``; the limit is NaN for a wind of two signs. The exit is where trim, at a
+        new maximum, is K times the demand; of several solutions the last has the largest limit.
+        With K = 0 the exit is the onset of the wind.
         """
         if dead_band == 0.0:
             limit = self.sign * self.demand[:, 0, 0]
@@ -206,7 +219,7 @@ class Curves:
         """
         values = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
         sign = self.sign[:, np.newaxis, np.newaxis]
-        width = self.times[..., 2:] - self.times[..., :1]  # zero of breakpoints at one time
+        width = self.times[..., 2:] - self.times[..., :1]  # zero where two breakpoints coincide
         rise = np.diff(minimum, axis=-1)
         line = np.divide(rise, width, out=np.zeros_like(rise), where=width > 0.0)
         slopes = np.broadcast_to(line, minimum.shape)
@@ -218,7 +231,9 @@ class Curves:
         """Return the limit [rad] and the time [s] of the exit of a dead band, with any demand.
 
         `demand`: at begin, middle and end of steps [rad], ``(n, S, 3)``. `slope`: of the demand at
-        begin and end [rad/s], ``(n, S, 2)``. `dead_band`: K, above zero.
+        begin and end [rad/s], ``(n, S, 2)``. `dead_band`: K, above zero. Where trim stays within
+        the dead band, the limit is the largest trim over K, at the time of the largest trim. The
+        limit is NaN for a wind of two signs.
         """
         limit, position = np.empty(len(demand)), np.empty(len(demand))
         arrays = self._lengths, self.trim, demand, slope, self.sign
@@ -226,11 +241,11 @@ class Curves:
         run(
             exits.dead_band_exits,
             (*(np.require(x, float, ["C", "W"]) for x in arrays), dead_band, limit, position),
-            len(demand),
+            len(demand),  # then seconds as plain Python and compiled, by which `run` chooses
             exits.PLAIN * work,
             exits.COMPILED * work,
         )
-        stays = position < 0.0
+        stays = position < 0.0  # how the kernel marks that trim stays within the dead band
         largest = np.argmax(self.sign[:, np.newaxis] * self.trim.reshape(len(demand), -1), axis=-1)
         position = np.where(stays, 0.5 * (largest % 3) + largest // 3, position)
         limit = np.where(stays, self.largest_trim / dead_band, limit)
@@ -244,7 +259,7 @@ class Curves:
         of its last new height: `limit_with_minimum` does not depend on the minimum there, nor
         before the last time at which the minimum is above this.
         """
-        trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)
+        trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)  # (n, 3 S)
         new, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
         ratio = np.where(new, trim / dead_band, np.inf)
         last = (trim.shape[1] - 1 - np.argmax(new[:, ::-1], axis=-1)) // 3 + 1
@@ -257,13 +272,20 @@ class Curves:
         return np.asarray(above[:, 0] + np.sum(above[:, 1:] & ~above[:, :-1], axis=-1) > 1)
 
     def reaches_both_signs(self, limit: FloatArray) -> BoolArray:
-        """Return whether trim reaches a limit ``(n,)`` [rad], or nearly so, with both signs."""
+        """Return whether trim reaches a limit ``(n,)`` [rad], or nearly so, with both signs.
+
+        False for a limit of zero.
+        """
         high, low = self._trim_extremes
         return np.asarray(np.minimum(high, -low) > _BOTH_SIGNS_FRACTION * limit) & (limit > 0.0)
 
 
 def smaller(trim: FloatArray, demand: FloatArray, sign: float | None) -> FloatArray:
-    """Return min(|trim|, |demand|) [rad] where both have one sign, or `sign`; zero elsewhere."""
+    """Return min(|trim|, |demand|) [rad] where both have the same sign; zero elsewhere.
+
+    `trim`, `demand`: deflections [rad] of one shape. `sign`: sign that both must have; None for
+    either. NaN of the demand stays.
+    """
     opposite = (
         trim * demand <= 0.0 if sign is None else np.minimum(sign * trim, sign * demand) <= 0.0
     )
@@ -282,7 +304,10 @@ def _vertex(values: FloatArray) -> FloatArray:
 
 
 def _parabola(values: FloatArray, u: FloatArray) -> FloatArray:
-    """Return values of the parabola through ``(..., 3)`` at 0, 1/2 and 1, at fractions u."""
+    """Return values of a parabola at fractions u of steps.
+
+    `values`: at the fractions 0, 1/2 and 1 of each step, ``(..., 3)``.
+    """
     a, b, c = values[..., 0], values[..., 1], values[..., 2]
     return np.asarray(a + u * (4.0 * b - 3.0 * a - c + u * 2.0 * (a - 2.0 * b + c)))
 
@@ -300,6 +325,9 @@ def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatA
 
 
 def _new_heights(trim: FloatArray) -> BoolArray:
-    """Return whether trim ``(n, k)`` is at a new maximum, above zero."""
+    """Return whether trim ``(n, k)``, over k times, is at a new maximum, above zero.
+
+    A tolerance of rounding counts a value equal to the maximum before as new.
+    """
     highest = np.maximum.accumulate(trim, axis=-1)
     return np.asarray((trim >= highest * (1.0 - exits.HEIGHT_TOLERANCE)) & (trim > 0.0))

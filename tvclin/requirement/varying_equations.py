@@ -54,7 +54,7 @@ class UnstableModes:
     def of(self, cases: IndexArray) -> UnstableModes:
         """Return the modes of those cases, by position in the batch, that are among these."""
         row = np.minimum(np.searchsorted(self.cases, cases), len(self.cases) - 1)
-        which = self.cases[row] == cases
+        which = self.cases[row] == cases  # whether a case has these modes; the others are omitted
         return UnstableModes(
             np.flatnonzero(which), self.poles[row[which]], self.costates[row[which]]
         )
@@ -63,7 +63,10 @@ class UnstableModes:
         """Return real costates, control reaches, poles, and integrals of p.b over cells.
 
         They are the arguments of `kernels.minimum_peaks`, ``(n, k, m)``, ``(n, 2)``, ``(n, 2)`` and
-        ``(n, k, cells)``. Of one or two real modes there are no cells.
+        ``(n, k, cells)``; a complex mode counts twice in k, by its real and its imaginary part. The
+        control reach of a mode p with the pole s is p.b/s, the integral of p.b e^(-s t) over all
+        time after the wind. Cells divide this time; in each the deflection is constant. Of one or
+        two real modes there are no cells, since integrals after the wind have closed forms.
 
         Parameters
         ----------
@@ -74,7 +77,7 @@ class UnstableModes:
             Column b of the deflection, ``(n, m)``.
         """
         n, k = len(end), self.poles.shape[1]
-        complex_modes = np.imag(self.poles[0]) != 0.0
+        complex_modes = np.imag(self.poles[0]) != 0.0  # the same modes in each case
         costates = np.broadcast_to(self.costates, (n, *self.costates.shape[1:]))
         reach = np.vecdot(np.conj(costates), column[:, np.newaxis]) / self.poles
         costates = np.concatenate([costates.real, costates.imag[:, complex_modes]], axis=1)
@@ -97,9 +100,9 @@ class UnstableModes:
 def sign_changes(nominal: FloatArray) -> BoolArray:
     """Return whether the aerodynamic moment mu_alpha changes its sign, ``(n,)``.
 
-    `nominal`: E at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
+    `nominal`: equations E = [A b w] at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
     """
-    moment = nominal[..., 1, 0]
+    moment = nominal[..., 1, 0]  # mu_alpha [1/s^2]: row of the attitude rate, column of attitude
     low, high = moment.min(axis=(1, 2)), moment.max(axis=(1, 2))
     return np.asarray(np.minimum(-low, high) > _ZERO_MOMENT_FRACTION * np.maximum(-low, high))
 
@@ -107,9 +110,10 @@ def sign_changes(nominal: FloatArray) -> BoolArray:
 def unstable_modes_of(A: FloatArray, single: BoolArray | bool = False) -> tuple[UnstableModes, ...]:
     """Return the unstable modes of ``A (n, m, m)``, two or three of them, the fastest one real.
 
-    Cases with as many real modes and pairs are together; the others are left out. With one mode
-    the minimum peak is the demand, if the effect of a deflection on it keeps its sign: `single`,
-    ``(n,)``, is whether one mode is returned too.
+    Cases with the same numbers of real modes and of pairs are in one record; cases with another
+    number of modes, or a pair as the fastest, are omitted. With one mode the minimum peak of all
+    control is the demand, the limit sufficient when held from then on, if the effect of a
+    deflection on the mode keeps its sign: `single`, ``(n,)``, is whether one mode is returned too.
     """
     values, vectors = left_eigenvectors(A)
     unstable = (np.real(values) > 0.0) & (np.imag(values) >= 0.0)
@@ -117,7 +121,7 @@ def unstable_modes_of(A: FloatArray, single: BoolArray | bool = False) -> tuple[
     kinds = np.add(unstable, pairs, dtype=int)  # 0, 1 of a real mode, 2 of a pair
     groups = []
     for kind in np.unique(kinds, axis=0):
-        if kind[0] != 1 or kind.sum() > 3:
+        if kind[0] != 1 or kind.sum() > 3:  # the fastest is first, and a pair counts twice
             continue
         counted = single if kind.sum() == 1 else True
         cases = np.flatnonzero(np.all(kinds == kind, axis=-1) & counted)
@@ -139,7 +143,9 @@ def minimum_peaks(
 ) -> FloatArray:
     """Return the minimum peaks [rad] of all control from the begin of steps on, ``(n, S + 1)``.
 
-    Zero where they are not known: without `heights` from the second step on.
+    They are the smallest peaks of any deflection that brings all unstable modes to zero in the
+    end, from a vehicle in trim at the begin of a step. Zero where they are not known: without
+    `heights` from the second step on.
 
     Parameters
     ----------
@@ -156,13 +162,14 @@ def minimum_peaks(
         Trim over K [rad] from which steps on minimum peaks are known, see `Curves.trim_ratios`:
         backwards to the first above it.
     """
-    column = steps.equations[:, -1, 2, :, -2]
+    column = steps.equations[:, -1, 2, :, -2]  # b at the end of the last step
     column = np.broadcast_to(column, (len(end), column.shape[-1]))
     costates, reaches, poles, cells = modes.after(end, column)
     peaks = np.zeros(path.shape[:2])
     if heights is None:
         heights = np.full(peaks.shape, np.nan)
     arrays = costates, reaches, poles, cells, path, heights
+    # the rest estimates seconds as plain Python and compiled, by which `run` chooses
     count = costates.shape[1]
     work = peaks.size * count
     duals = len(path) + np.sum(~np.isnan(heights))
@@ -229,7 +236,11 @@ class Equations:
 
     @classmethod
     def _of(cls, plants: Sequence[Plant]) -> Self:
-        """Return the constant equations of plants at each of `PRESSURES`."""
+        """Return the constant equations of plants, a sequence of the plant at each of `PRESSURES`.
+
+        A plant may be a batch ``(n,)``. Constant equations have a single step, with the same E at
+        its begin, middle and end.
+        """
         nominal, slopes = (
             x.reshape(-1, 1, 1, *x.shape[x.ndim - k :])
             for x, k in zip(of_pressure(plants), (2, 3), strict=True)
@@ -245,7 +256,7 @@ class Equations:
         )
 
     def at_steps(self, times: FloatArray) -> Self:
-        """Return the equations at times [s] of steps, which are the same at all times."""
+        """Return these equations: `times` [s] of steps are not used, the vehicle is constant."""
         return self
 
     @property
@@ -286,13 +297,16 @@ class Equations:
 
     @property
     def fastest(self) -> FloatArray:
-        """Largest rate [1/s] of the attitude of each vehicle, sqrt(mu_alpha) at its largest."""
-        stiffness = np.abs(self.nominal[..., 1, 0]).max(axis=(1, 2))
-        return np.asarray(np.sqrt(stiffness))
+        """Largest rate [1/s] of the attitude of each vehicle, sqrt(abs(mu_alpha)), ``(n,)``."""
+        mu_alpha = self.nominal[..., 1, 0]
+        return np.asarray(np.sqrt(np.abs(mu_alpha).max(axis=(1, 2))))
 
     @property
     def end_pole(self) -> FloatArray:
-        """Growth rate p.A p [1/s] at the end of each, the pole of a constant vehicle, ``(n,)``."""
+        """Growth rate p.A p [1/s] at the end of each vehicle's steps, ``(n,)``.
+
+        The costate p is of length one, so that this is the pole of p where the vehicle is constant.
+        """
         order = self.nominal.shape[-2]
         costate, A = self.end[:, :order], self.nominal[:, -1, 2, :, :order]
         return np.asarray(np.einsum("ni,nij,nj->n", costate, A, costate))
@@ -301,7 +315,8 @@ class Equations:
 def has_quick_path(plant: Plant) -> BoolArray:
     """Return whether the path of plants is quick, ``(...)``.
 
-    It is where the path is unstable, or b1 or a second pole comparable with the fastest.
+    It is where the path is unstable, or b1 = N/(m V) [1/s], the rate at which the normal force
+    turns the path, or a second unstable pole is comparable with the fastest pole.
     """
     poles = unstable_poles(plant)
     if plant.model == "fixed-path" or not poles.shape[-1]:
@@ -315,10 +330,11 @@ def has_quick_path(plant: Plant) -> BoolArray:
 
 
 def unstable_end(equations: FloatArray) -> FloatArray:
-    """Return costate and control reach of constant equations ``(n, m, m + 2)``, ``(n, m + 1)``.
+    """Return costate and control reach of constant equations [A b w], ``(n, m + 1)``.
 
-    The costate p is the left eigenvector of the fastest real unstable mode, of length one and with
-    a positive part of the attitude rate; the control reach is p.b over the pole. NaN without one.
+    `equations`: ``(n, m, m + 2)``. The costate p is the left eigenvector of the fastest real
+    unstable mode, of length one and with a positive component of the attitude rate; the control
+    reach is p.b over the pole. NaN without such a mode.
     """
     order = equations.shape[-2]
     values, rows = left_eigenvectors(equations[..., :order])
@@ -335,8 +351,9 @@ def unstable_end(equations: FloatArray) -> FloatArray:
 def of_pressure(plants: Sequence[Plant]) -> tuple[FloatArray, FloatArray]:
     """Return E ``(..., m, m + 2)``, and E_1 and E_2 ``(..., 2, m, m + 2)``, of m states.
 
-    With r = q/q_n a plant's matrices are [A b w] = E + (r - 1) E_1 + (1/r - 1) E_2. `plants`: the
-    plant at each of the ratios `PRESSURES`.
+    With the dynamic pressure q, over q_n of the nominal flight, r = q/q_n, a plant's matrices A and
+    columns b of deflection and w of wind are [A b w] = E + (r - 1) E_1 + (1/r - 1) E_2. `plants`:
+    the plant at each of the ratios `PRESSURES`, of which the first is one.
     """
     nominal, *others = (np.concatenate(plant.matrices()[:2], axis=-1) for plant in plants)
     changes = np.stack([varied - nominal for varied in others], axis=-3)

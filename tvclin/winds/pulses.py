@@ -183,7 +183,7 @@ def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pulse(History):
-    """Wind defined by its peak and its duration; each subclass gives the shape."""
+    """Wind defined by its peak [rad] and its duration [s]; each subclass gives the shape."""
 
     peak: float | FloatArray = field()  # type: ignore[assignment]
     duration: float | FloatArray
@@ -407,6 +407,7 @@ def _half_waves(
 ) -> Pieces:
     """Return pieces (c0 + c1 cos(omega u)) peak, omega being pi over the `half_wave` [s].
 
+    They are constants and half waves of a cosine, u being the time from the begin of a piece.
     `peak`: peaks [rad]; `half_wave`: duration of half a wave, zero for a jump; `knots`: times at
     which pieces begin [s], ``(..., n)``. `shape`: coefficients of the rates 0, j omega and
     -j omega, which make c0 and c1, of each of the n pieces.
@@ -414,7 +415,7 @@ def _half_waves(
     coefficients = peak[..., np.newaxis, np.newaxis] * np.array(shape)
     omega = np.pi / np.where(half_wave > 0.0, half_wave, 1.0)
     rates = 1j * omega[..., np.newaxis] * np.array([0.0, 1.0, -1.0])
-    return Pieces(knots, coefficients[..., np.newaxis], rates)
+    return Pieces(knots, coefficients[..., np.newaxis], rates)  # polynomials of degree zero
 
 
 def checked_gust(gust: History | None) -> History | None:

@@ -207,6 +207,7 @@ class Turbulence(Record):
         low_ft, table_ft = np.array(_LOW_ALTITUDES_FT, float), np.array(_ALTITUDES_FT, float)
         errors.one_of("component", component, COMPONENTS)
         start, above = _MIN_ALTITUDE_OF_TABLE_FT, table_ft > _MIN_ALTITUDE_OF_TABLE_FT
+        # sigma_w = 0.1 u20, and both factors over altitude: MIL-F-8785C, low-altitude model
         vertical, factor = 0.1 * low_wind, 0.177 + 0.000823 * low_ft
         if component == _TRANSVERSE:
             low_sigma, low_length = vertical / factor**0.4, low_ft / factor**1.2
@@ -249,7 +250,11 @@ class Turbulence(Record):
 
     @cached_property
     def normalised_filter(self) -> FilterMatrices:
-        """A ``(n, n)``, b ``(n, 1)`` and c ``(1, n)`` over the distance flown, of variance one."""
+        """A ``(n, n)``, b ``(n, 1)`` and c ``(1, n)`` of the wind from unit white noise n.
+
+        The filter is dx/dxi = A x + b n, w = c x, over the distance xi flown normalised by the
+        scale length, in the controllable canonical form; the variance of w is one.
+        """
         numerator, denominator = (np.array(p) for p in _FILTERS[self.spectrum, self.component])
         n = denominator.size - 1
         A, b, c = np.eye(n, k=1), np.zeros((n, 1)), np.zeros((1, n))
@@ -260,7 +265,8 @@ class Turbulence(Record):
     def shaping_filter(self, speed: ArrayLike, altitude: ArrayLike | None = None) -> FilterMatrices:
         """Return A [1/s], b and c of the filter in time from unit white noise to the wind [m/s].
 
-        Its first states are those of `normalised_filter`, with a cutoff two more follow.
+        With white noise n the filter is x' = A x + b n, w = c x. Its first states are those of
+        `normalised_filter`, with a cutoff two more follow.
 
         Parameters
         ----------
@@ -277,7 +283,7 @@ class Turbulence(Record):
         V = _SPEEDS("speed", speed, "m/s")
         sigma, length = self.over(altitude)
         shape = errors.broadcast(speed=V.shape, altitude=sigma.shape)
-        rate, size = (
+        rate, size = (  # dxi/dt [1/s] of the distance xi in scale lengths; sigma [m/s]
             np.broadcast_to(x, shape)[..., np.newaxis, np.newaxis] for x in (V / length, sigma)
         )
         A, b, c = self._filter(np.broadcast_to(length, shape))
@@ -294,6 +300,7 @@ class Turbulence(Record):
             return A, b, c
         n = len(A)
         matrix = np.zeros((*length.shape, n + 2, n + 2))
+        # w - v1 - sqrt(2) v2 as a row over all states
         passed = np.concatenate([c[0], [-1.0, -np.sqrt(2.0)]])
         corner = (2.0 * np.pi / self.cutoff_wavelength) * length[..., np.newaxis]
         matrix[..., :n, :n], matrix[..., n, n + 1] = A, corner[..., 0]
@@ -330,7 +337,7 @@ class Turbulence(Record):
         V = errors.number("speed", speed, _SPEEDS, "m/s")
         sigma, length = self.over(None if altitude is None else errors.number("altitude", altitude))
         frequencies = errors.within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
-        x = frequencies * length / V
+        x = frequencies * length / V  # omega L/V, the frequency over the distance in scale lengths
         if self.spectrum == _VON_KARMAN:
             square = (_VON_KARMAN_LENGTH_FACTOR * x) ** 2
             if self.component == _ALONG:
@@ -340,6 +347,7 @@ class Turbulence(Record):
         else:
             above, below = _FILTERS[self.spectrum, self.component]
             gains = [np.polyval(polynomial[::-1], 1j * x) for polynomial in (above, below)]
+            # along: the numerator of G is sqrt(2), which `_FILTERS` omits
             shape = np.abs(gains[0] / gains[1]) ** 2 * (2.0 if self.component == _ALONG else 1.0)
         if self.cutoff_wavelength is not None:
             ratio = np.minimum(frequencies / V * self.cutoff_wavelength / (2.0 * np.pi), 1e6)
@@ -358,7 +366,10 @@ class Turbulence(Record):
     ) -> FloatArray:
         """Return winds [m/s] at given times, ``(runs, n)``, with exactly the filter's covariance.
 
-        Run number k of a seed has the same noise whichever other runs are drawn.
+        The states of the filter of each step are e^(A h) times those before, plus Gaussian noise
+        with the covariance that white noise adds in the step; the first are drawn from the
+        stationary covariance. Run number k of a seed has the same noise whichever other runs are
+        drawn.
 
         Parameters
         ----------
@@ -394,7 +405,7 @@ class Turbulence(Record):
                     f" shape {array.shape}"
                 )
         advance, sigma = (np.broadcast_to(array, when.shape) for array in (V / length, sigma))
-        distances = 0.5 * (advance[1:] + advance[:-1]) * np.diff(when)
+        distances = 0.5 * (advance[1:] + advance[:-1]) * np.diff(when)  # in scale lengths
         length = np.broadcast_to(length, when.shape)
         lengths = np.append(length[:1], 0.5 * (length[1:] + length[:-1]))
         A, b, c = self._filter(lengths)
@@ -407,7 +418,7 @@ class Turbulence(Record):
             for run in range(first, first + runs)
         ]
         noise = np.array(white).reshape(runs, when.size, count)
-        pairs = np.stack([distances, lengths[1:]])
+        pairs = np.stack([distances, lengths[1:]])  # steps alike in both are computed once
         _, first_of, which = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
         transitions, noises = steps(A[1:][first_of], b @ b.T, distances[first_of])
         roots = _square_root(noises)

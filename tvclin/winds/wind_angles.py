@@ -90,6 +90,7 @@ def pressure_in_winds(path: ArrayLike, along: ArrayLike, across: ArrayLike = 0.0
 def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:
     """Return the wind speed w along a path, over the vehicle's, for a wind angle of attack.
 
+    By the sine rule in the wind triangle w = sin(alpha)/sin(Theta_n + alpha), positive from behind.
     `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle, as on a
     level path.
     """
@@ -105,7 +106,8 @@ def pressure_ratio(path: ArrayLike, angle: ArrayLike) -> FloatArray:
     `path`: angle of the path above the horizontal [rad]. `angle`: wind angles of attack [rad]; NaN
     where no horizontal wind has the angle.
     """
-    return wind_triangle(path, along_from_angle(path, angle))[2]
+    _, _, ratio = wind_triangle(path, along_from_angle(path, angle))
+    return ratio
 
 
 def angle_from_speed(
@@ -175,6 +177,7 @@ def angles_from_vector_size(
 
         sin(alpha_pitch) = -r cos(psi) sin(gamma),  sin(alpha_yaw) = r sin(psi),  r = V_w/V_R
 
+    The ratio r of the wind's speed V_w to the airspeed V_R is solved for by Newton's method.
     `peak`: sizes [rad] of the vector of both angles; a negative size reverses the wind. `heading`:
     direction psi [rad] from which the wind blows, clockwise from the heading of the flight: pi is a
     tail wind. `attitude`: attitudes gamma above the horizontal [rad], which broadcast with the
@@ -223,6 +226,7 @@ def angles_from_speed(
         errors.number("heading", heading, errors.directions, "rad"), float(attitude)
     )
     wind = errors.number("speed", speed, unit="m/s")
+    # the sines include the path, so that each component is as one at right angles to the flight
     pitch, yaw = (float(angle_from_speed(wind * sine, velocity, np.pi / 2)) for sine in sines)
     if (size := np.degrees(np.hypot(pitch, yaw))) >= 90.0:
         raise errors.NotKnownError(
@@ -292,7 +296,8 @@ class NominalWind:
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack [rad], and ones, at times [s], ``(n, ...)`` each.
 
-        The ones are the dynamic pressure over the nominal one, q/q_n.
+        The ones are the dynamic pressure over the nominal one, q/q_n. `times`: ``(n, ...)``, or
+        ``(1, ...)`` for the same times of all n winds.
         """
         return _history_values(self.history, times), np.ones(times.shape)
 
@@ -360,11 +365,14 @@ class EncounteredWind:
     def _triangle(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return wind angles in pitch and in yaw [rad] and q/q_n at times [s], ``(n, ...)``.
 
-        q/q_n is the dynamic pressure over the nominal one.
+        q/q_n is the dynamic pressure over the nominal one. The speed of a wind by its angle adds to
+        that of a wind by its speed; angles and q/q_n are those of the sum. NaN where no horizontal
+        wind along the path has the angle.
         """
         column = (-1, *[1] * (times.ndim - 1))  # one number for each wind and all of its times
         path, in_pitch, in_yaw = (np.reshape(x, column) for x in (self.path, *self.of_angle))
         angle, speed = (_history_values(x, times) for x in (self.angle, self.speed))
+        # of a wind along a flight the path angle varies, and so does the speed of the vehicle
         if self.flight is not None:
             time, paths, speed_ratio = self.flight
             path = np.interp(times, time, paths)
@@ -373,6 +381,7 @@ class EncounteredWind:
         if self.angle is not None and np.any(in_pitch):
             along = along + along_from_angle(path, in_pitch * angle)
         if self.angle is not None and np.any(in_yaw):
+            # airspeed in the pitch plane, over the speed of the vehicle
             in_plane = np.sqrt((np.cos(path) - along) ** 2 + np.sin(path) ** 2)
             across = across + in_plane * np.tan(in_yaw * angle)
         return wind_triangle(path, along, across)
@@ -385,7 +394,8 @@ class EncounteredWind:
     def check_possible(self) -> None:
         """Raise `InputError` if no horizontal wind on the path has the angle of a single wind."""
         times = self.history.probe_times()[np.newaxis]
-        if np.any(np.isnan(self.at(times)[1])):
+        _, ratio = self.at(times)
+        if np.any(np.isnan(ratio)):
             largest = np.degrees(
                 np.abs(self.of_angle[0] * _history_values(self.angle, times)).max()
             )

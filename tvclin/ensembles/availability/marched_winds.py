@@ -94,10 +94,15 @@ class PlaneMarch:
 
     @cached_property
     def _flight_steps(self) -> tuple[FloatArray, Equations]:
-        """Times [s] of the steps of flights, and the equations there and in the calm after them."""
+        """Times [s] of the steps of flights, ``(1, S, 3)``, and the equations of steps and calm.
+
+        The equations, not the times returned, go on through the calm after the interval, in which a
+        flight may still diverge.
+        """
         steps = time_varying.even_steps(self.fastest, self._span, time_varying.FLIGHT_SUBSTEPS)
-        nothing = np.zeros(steps.shape)
-        times = time_varying.with_calm_after(self._steps[1], steps, nothing, nothing)[0]
+        calm = np.zeros(steps.shape)  # wind and pressure are not used: only times are needed here
+        even_equations = self._steps[1]
+        times, _, _ = time_varying.with_calm_after(even_equations, steps, calm, calm)
         return steps, self.motion.at_steps(times)
 
     @property
@@ -108,7 +113,9 @@ class PlaneMarch:
     def curves(self, winds: LineWinds, pressure: bool) -> Curves:
         """Return the curves of trim and demand [rad] of winds over the steps.
 
-        `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
+        Trim is the deflection of zero moment, the demand the limit that is sufficient when held
+        from then on. `pressure`: whether the dynamic pressure encountered counts, or the nominal
+        one.
         """
         steps, equations = self._steps
         return time_varying.curves(
@@ -118,14 +125,18 @@ class PlaneMarch:
     def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) [rad] and its time [s], ``(n,)`` each.
 
-        `march`: curves of n winds. `sign`: sign of the deflections that count; None for both.
+        Where two unstable modes of the vehicle are a pair, trim counts alone. `march`: curves of n
+        winds. `sign`: sign of the deflections that count; None for both.
         """
-        paired = np.broadcast_to(self._steps[1].paired, march.trim.shape)
+        _, equations = self._steps
+        paired = np.broadcast_to(equations.paired, march.trim.shape)
         return march.limit_of_trim_law(paired, sign)
 
     def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
         """Return bounds of the required deflections [rad] of n winds.
 
+        They are equal unless flights of the trim law decide (`time_varying.decided_by_flights`),
+        which are not flown here, except with `Bounds.highest` where even that may diverge.
         `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
         """
         steps, equations = self._steps
@@ -137,7 +148,7 @@ class PlaneMarch:
             return Bounds(limit, limit, limit, highest)
         minimum = np.zeros(limit.shape)
         for cases, peaks in time_varying.peaks_over_modes(equations, encountered, march.path):
-            minimum[cases] = peaks[:, 0]
+            minimum[cases] = peaks[:, 0]  # from the begin of the first step on
         flown, lowest = time_varying.decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
@@ -156,11 +167,14 @@ class PlaneMarch:
         attitude. Rows of the equations are the derivatives of attitude, its rate and the path
         angle; columns are these states, then deflection and wind.
         """
-        if not self._steps[1].drifts:
+        _, equations = self._steps
+        if not equations.drifts:
             return False
-        E = self._steps[1].nominal
+        E = equations.nominal
+        # with the deflection that makes the angular acceleration due to the path angle zero
         path_rate = E[..., 2, 2] - E[..., 2, -2] / E[..., 1, -2] * E[..., 1, 2]
-        return bool(np.any(E[..., 1, 0] < 0.0) or np.any(path_rate > 0.0))
+        mu_alpha = E[..., 1, 0]
+        return bool(np.any(mu_alpha < 0.0) or np.any(path_rate > 0.0))
 
     def _limit_at_levels(
         self,
@@ -178,9 +192,10 @@ class PlaneMarch:
         counts, or the nominal one.
         """
         steps, equations = self._steps
-        static = -equations.nominal[..., 1, -1] / equations.nominal[..., 1, -2]
+        acceleration = equations.nominal[..., 1, :]  # of the attitude; last deflection, then wind
+        static = -acceleration[..., -1] / acceleration[..., -2]  # trim over wind angle: -B
         _, angle, ratio, _ = encountered
-        of_drift, static, paired = (
+        of_drift, static, paired = (  # at the first begin and the ends of all steps
             np.concatenate([x[:, :1, 0], x[..., 2]], axis=1)
             for x in (march.trim - static * ratio * angle, static, equations.paired)
         )
@@ -198,16 +213,18 @@ class PlaneMarch:
     def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
         """Return winds with a gust: at the time of the largest wind, and of the requirement.
 
-        `sign`: sign of wind and gust; a wind that never has this sign is without a gust.
-        `additions`: the gust, and whether the dynamic pressure encountered counts.
+        These are two records of n winds; without a gust the winds themselves. `sign`: sign of wind
+        and gust; a wind that never has this sign is without a gust. `additions`: the gust, and
+        whether the dynamic pressure encountered counts.
         """
         gust, times = additions.gust, winds.times
         if gust is None:
             return [winds]
         angle = sign * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
         calm, top = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
-        equations = self._steps[1].nominal[0, :, 1, 1]
-        trim_per_wind = -np.sum(equations[:, -1] / equations[:, -2])
+        _, equations = self._steps
+        middle = equations.nominal[0, :, 1, 1]  # angular acceleration; last deflection, then wind
+        trim_per_wind = -np.sum(middle[:, -1] / middle[:, -2])  # only its sign counts
         march = self.curves(winds, additions.pressure)
         at_limit = self._limit(march, float(np.sign(trim_per_wind)) * sign)[1]
         speed = partial(self._gust_speed, sign, additions, calm)
@@ -221,8 +238,10 @@ class PlaneMarch:
     ) -> FloatArray:
         """Return speeds [m/s] of a gust at times `at` [s], ``(n, k)``; zero in a calm.
 
-        `sign`: sign of the gust. `additions`: the gust. `calm`: whether a wind is without gust,
-        ``(n,)``. `angle`: angles of the gust [rad] at the times, without the sign.
+        A gust specified by its speed has this speed at its peak, and its shape elsewhere; a gust
+        specified by its angle is the wind that has the angle at each time. `sign`: sign of the
+        gust. `additions`: the gust. `calm`: whether a wind is without gust, ``(n,)``. `angle`:
+        angles of the gust [rad] at the times, without the sign.
         """
         gust, speed = additions.gust, additions.gust_speed
         if gust is not None and speed is not None:
@@ -259,6 +278,7 @@ class MarchedWinds:
     def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
         """Return whether limits [rad] must be flown, and whether they are insufficient, ``(n,)``.
 
+        A limit below all bounds is insufficient, one above all sufficient; between, flights decide.
         `limit`: a limit for each wind, ``(n,)``.
         """
         insufficient = limit < self.bounds.lowest

@@ -99,20 +99,26 @@ class FlightMode:
         return equations[..., :order], equations[..., order:]
 
     def trim_per_wind(self, t: Any) -> FloatArray:
-        """Return B of eq (5), trim deflection per wind angle, at times `t` [s]."""
+        """Return B of eq (5), the ratio of static trim deflection to angle of attack.
+
+        `t`: times [s], whose shape is that of the result.
+        """
         _, inputs = self.matrices(t)
-        return np.asarray(inputs[..., 1, 1] / inputs[..., 1, 0])
+        of_deflection, of_wind = inputs[..., 1, 0], inputs[..., 1, 1]  # of the attitude rate
+        return np.asarray(of_wind / of_deflection)
 
     def at(self, t: Any) -> tuple[FloatArray, Any]:
         """Return the costate p of length one, ``(m,) + t.shape``, and the control reach R.
 
-        `t`: times [s].
+        They are integrated back to `t` from the next end of a step of the march. R is the effect on
+        the unstable component p.x of a unit deflection constant from t on. `t`: times [s]; those
+        outside the span count as its ends.
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
         ends, costates = self._march
         step = np.minimum(np.searchsorted(ends, times, side="left"), ends.size - 1)
         matrices = self._step_matrices(times, ends[step])
-        solution = np.einsum("...i,...ij->...j", costates[step], matrices)
+        solution = np.einsum("...i,...ij->...j", costates[step], matrices)  # p and R at t
         solution = np.moveaxis(solution / _length(solution), -1, 0)
         return solution[:-1], solution[-1]
 
@@ -133,9 +139,13 @@ class FlightMode:
 
     @cached_property
     def fastest(self) -> FloatArray:
-        """Largest rate sqrt(|mu_alpha|) [1/s] up to the last unstable time, ``(1,)``."""
-        rows = self._rows[self._rows <= self.last_unstable]
-        return np.sqrt(np.abs(self._equations(rows)[:, 1, 0]).max(keepdims=True))
+        """Largest rate sqrt(abs(mu_alpha)) [1/s] up to the last unstable time, ``(1,)``.
+
+        mu_alpha [1/s^2] is the angular acceleration per angle of attack.
+        """
+        times = self._rows[self._rows <= self.last_unstable]
+        mu_alpha = self._equations(times)[:, 1, 0]
+        return np.sqrt(np.abs(mu_alpha).max(keepdims=True))
 
     @property
     def breakpoints(self) -> FloatArray:
@@ -143,9 +153,11 @@ class FlightMode:
         return self.schedule.times
 
     def at_steps(self, times: FloatArray) -> Equations:
-        """Return the equations at times [s] of the steps of winds, ``(n, S, 3)``.
+        """Return the linear equations of the vehicle at the times of the steps of winds.
 
-        The costate at the end of each wind includes the remaining flight.
+        `times`: begin, middle and end of each of S steps of n winds [s], ``(n, S, 3)``. After the
+        last unstable time the vehicle is frozen. The costate at the end of each wind includes the
+        remaining flight.
         """
         inside = np.minimum(times.ravel(), self.last_unstable)
         vehicles = [at_pressure(self.schedule.vehicle, ratio) for ratio in PRESSURES]
@@ -181,6 +193,7 @@ class FlightMode:
         A flight that is stable throughout is returned whole.
         """
         start, stop = self.span
+        # intervals of the flight in which the aerodynamic moment keeps its sign, in order of time
         intervals = self.schedule.one_sign_intervals
         while len(intervals) > 1:
             *before, last = intervals
@@ -233,7 +246,10 @@ class FlightMode:
 
     @cached_property
     def quick_path(self) -> bool:
-        """Whether flights of the limited law decide at some time of the flight."""
+        """Whether the path is quick at some time, so that flights of the limited law decide.
+
+        See `has_quick_path`: the flight path is unstable, or about as fast as the attitude.
+        """
         rows = self._rows[self._rows <= self.last_unstable]
         plants = self.schedule.plants(rows, self.model, self.plane)
         return bool(np.any(has_quick_path(plants)))
@@ -254,11 +270,15 @@ class FlightMode:
     @cached_property
     def _last_unstable(self) -> float:
         """The last row with a real unstable pole [s]; minus infinity without one."""
-        pole = unstable_end(self._plants_at(self._rows))[..., -1]
-        return float(np.max(self._rows[~np.isnan(pole)], initial=-np.inf))
+        reach = unstable_end(self._plants_at(self._rows))[..., -1]  # NaN without such a pole
+        return float(np.max(self._rows[~np.isnan(reach)], initial=-np.inf))
 
     def _equations(self, t: Any) -> FloatArray:
-        """The matrices ``[A b w]`` at times [s], ``t.shape + (m, m + 2)``."""
+        """Return ``[A b w]`` at times [s], frozen after the last unstable time.
+
+        A is the matrix of the states, b and w the columns of deflection and wind. The shape is
+        ``t.shape + (m, m + 2)``.
+        """
         return self._plants_at(np.minimum(np.asarray(t, dtype=float), self.last_unstable))
 
     def _plants_at(self, t: FloatArray) -> FloatArray:
@@ -269,7 +289,11 @@ class FlightMode:
 
     @cached_property
     def _march(self) -> tuple[FloatArray, FloatArray]:
-        """Ends of steps [s] ``(k,)``, and costate and control reach there ``(k, m + 1)``."""
+        """Ends of steps [s] ``(k,)``, and costate and control reach there ``(k, m + 1)``.
+
+        They are integrated backwards from the end of the span, where they are those of the frozen
+        vehicle, and scaled to a costate of length one after each step.
+        """
         start, stop = self.span
         breakpoints = np.append(self.schedule.times, self.last_unstable)
         inside = breakpoints[(breakpoints > start) & (breakpoints < stop)]
@@ -286,12 +310,13 @@ class FlightMode:
     def _step_matrices(self, begin: FloatArray, end: FloatArray) -> FloatArray:
         """Return matrices M with (p, R) at the begin of a step = (p, R) at its end times M.
 
-        p is the costate, R the control reach. M ``(k, m + 1, m + 1)`` is exact to fourth order.
+        p is the costate, R the control reach. M ``(k, m + 1, m + 1)`` is exact to fourth order, by
+        the classical rule of Runge and Kutta, backwards. `begin`, `end`: times [s], ``(k,)``.
         """
         h = (end - begin)[..., np.newaxis, np.newaxis]
         times = np.stack([begin, 0.5 * (begin + end), end])
         first, middle, last = self._rates(times)
-        slopes = [last]
+        slopes = [last]  # derivatives of M with time to the end of the step
         for matrix, fraction in ((middle, 0.5), (middle, 0.5), (first, 1.0)):
             slopes.append(matrix + fraction * h * slopes[-1] @ matrix)
         total = slopes[0] + 2.0 * (slopes[1] + slopes[2]) + slopes[3]
@@ -307,12 +332,15 @@ class FlightMode:
 
 
 def _length(costate_and_reach: FloatArray) -> FloatArray:
-    """Return the length of the costate, ``(..., 1)``."""
+    """Return the length of the costate p, ``(..., 1)``, from rows (p, R) with the control reach."""
     return np.asarray(np.linalg.norm(costate_and_reach[..., :-1], axis=-1, keepdims=True))
 
 
 def _refined(times: FloatArray, steps: FloatArray) -> FloatArray:
-    """Return times [s] with `steps` even steps between each two, rounded up, and at least one."""
+    """Return times [s] with `steps` even steps between each two, rounded up, and at least one.
+
+    `InputError` for more than `_MAX_STEPS` in all.
+    """
     counts = np.maximum(np.ceil(steps), 1.0)
     if not counts.sum() <= _MAX_STEPS:
         raise InputError(
@@ -385,7 +413,7 @@ def flight_requirements(
         for two_sided_wind, wind in zip(two_sided or winds, winds, strict=True)
     ]
     trimmed = requirements_along(mode, complete, 1.0)
-    banded = np.array(  # (k, n, 3)
+    banded = np.array(  # (k, n, 3): required deflection, minimum, exit time
         [trimmed if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands.tolist()]
     )
     requirements = []
@@ -409,9 +437,11 @@ def requirements_along(
 ) -> FloatArray:
     """Return required deflection and minimum [rad], and exit time [s], of winds, ``(n, 3)``.
 
-    `mode`: unstable mode along the flight. `dead_band`: K, from 0 to 1. A wind counts up to the end
-    of `FlightMode.until_stable`. Winds with the same number of steps are marched together, but for
-    flights on a quick path, whose length depends on the others.
+    The exit time is that at which the dead band is left with the required limit. Both deflections
+    are zero, and the time is NaN, for a calm and a stable flight. `mode`: unstable mode along the
+    flight. `dead_band`: K, from 0 to 1. A wind counts up to the end of `FlightMode.until_stable`.
+    Winds with the same number of steps are marched together, but for flights on a quick path, which
+    are computed one by one since their length depends on the others.
     """
     result = np.tile([0.0, 0.0, np.nan], (len(winds), 1))
     groups: dict[Any, list[tuple[int, NominalWind | EncounteredWind]]] = {}
@@ -434,9 +464,10 @@ def requirements_along(
 
 
 def base_requirement(sizing: Sizing) -> Requirement:
-    """Return the requirement of a sizing's largest dead band, with varying parameters if known.
+    """Return the name of the requirement of a sizing's first dead band, the largest.
 
-    They must be known wherever the requirement with frozen parameters is.
+    It is that with varying parameters if its values are known wherever those with parameters frozen
+    at each flight time are, else that with frozen parameters.
     """
     frozen = Requirement(dead_band=sizing.dead_bands[0])
     varying = replace(frozen, varying=True)
@@ -483,17 +514,17 @@ def with_directions(
                 column[i, j] *= factor
                 if direction in winds:
                     along.append((column, i, j, winds[direction]))
-        except InputError as error:  # no such wind at this path, too long a wind: as it stands
+        except InputError as error:  # no such wind on this path, or too long: nominal value stays
             unknown[i, j], why = True, why or f"{sizing.times[i]:g} s: {error}"
     if along and mode is not None:
         required = requirements_along(mode, [wind for *_, wind in along], K)[:, 0]
         for (column, i, j, _), value in zip(along, required.tolist(), strict=True):
             column[i, j] = value
-    arises = dict(sizing.arises)
+    arises = dict(sizing.arises)  # times of flight at which each requirement arises
     if base in arises:
         arises |= dict.fromkeys(columns, arises[base])
     sizing = replace(sizing, required=sizing.required | columns, arises=arises)
-    unknown &= sizing.required[base] != 0.0
+    unknown &= sizing.required[base] != 0.0  # zero stays zero at any dynamic pressure
     if not unknown.any():
         return sizing
     note = f"the dynamic pressure encountered in a pulse is not known at {why}"
@@ -503,7 +534,8 @@ def with_directions(
 def _encountered_over_nominal(case: Case, K: float) -> dict[str, float]:
     """Return the ratios of encountered to nominal requirement of a case, by direction.
 
-    `K`: dead band.
+    `K`: dead band, the fraction of the limit up to which the vehicle is trimmed. One where nominal
+    is zero; `InputError` where the dynamic pressure encountered is not known.
     """
     need = case_requirement(case, K)
     if need.encountered_unknown:
@@ -520,7 +552,9 @@ def _winds_along(
 ) -> dict[str, EncounteredWind]:
     """Return the pulse of a case along the flight from time `begins` [s], by direction.
 
-    `mode`: unstable mode along the flight. `K`: dead band, by which the time of a gust is known.
+    Its speeds are over the speed of the case's vehicle, which has the flight time of the pulse.
+    `InputError` beyond linear aerodynamics. `mode`: unstable mode along the flight. `K`: dead band,
+    by which the time of a gust is known.
     """
     vehicle = complete_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
     flown = mode.schedule.vehicle

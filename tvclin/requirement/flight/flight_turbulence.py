@@ -93,7 +93,10 @@ class LargestInTurbulence(Shown):
 
     @cached_property
     def travel(self) -> Travel | None:
-        """Travel of the whole flight, with a pulse where it moves the nozzle most; or None."""
+        """Travel of the whole flight, with a pulse where it moves the nozzle most.
+
+        None where the deflection rate has no variance.
+        """
         flown = self._whole()
         if DEFLECTION_RATE not in flown.outputs:
             return None
@@ -185,6 +188,7 @@ class FlightTurbulence(Shown):
         """
         if one_of("output", output, _OUTPUTS) not in self.rms:
             return float("nan")
+        # flight times may be in any order
         order, at = np.argsort(self.times), number("time", time, unit="s")
         return self.sigmas * float(np.interp(at, self.times[order], self.rms[output][order]))
 
@@ -256,6 +260,7 @@ class LoopOverFlight:
     times: FloatArray
 
     def __post_init__(self) -> None:
+        """Raise `InputError` for a case of both planes."""
         if self.case.planes == BOTH:
             raise InputError("turbulence is answered in one plane; leave out the limit shape")
 
@@ -278,7 +283,8 @@ class LoopOverFlight:
     def gains(self) -> Autopilot | GainSchedule:
         """The autopilot along the flight.
 
-        A rule designs gains at the flight times and beyond them, where it can.
+        An autopilot that is given is taken. Else a rule designs gains at even times of the flight
+        and at the flight times, or at the flight times alone where it cannot at the others.
         """
         case = self.case
         if case.controller is not None:
@@ -443,6 +449,7 @@ def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _R
             continue
         at_peaks = encountered_winds(vehicle, in_plane, placed, case.sign, signed=signed)
         for direction, at_peak, pulse in at_peaks:
+            # the normal force per angle is proportional to the dynamic pressure
             slopes = (float(np.asarray(x.normal_force_slope)) for x in (at_peak, vehicle))
             ratio = next(slopes) / next(slopes)
             row = time, ratio, pulse, loop.response(time, ratio, pulse)
@@ -456,11 +463,11 @@ def _of_pulse(
     """Return the responses of a loop over the flight to a pulse of one direction.
 
     `rows`: flight time [s], ratio of the dynamic pressure to the nominal one, pulse and response of
-    each time.
+    each time. The whole flight has the pulse that moves the nozzle most.
     """
     order = np.argsort([row[0] for row in rows])
     times, ratios = (np.array([row[k] for row in rows], dtype=float)[order] for k in (0, 1))
-    pressure = np.interp(loop.schedule.times, times, ratios)
+    pressure = np.interp(loop.schedule.times, times, ratios)  # constant beyond the flight times
     means = [(float(pulse.onset), response) for _, _, pulse, response in rows]
     moved = [np.abs(np.diff(response.mean())).sum() for _, response in means]
     worst = rows[int(np.argmax(moved))][2]
@@ -481,6 +488,7 @@ def _largest(
         """Return the mean size of an output plus k standard deviations, at each time."""
         return np.abs(mean.mean(output)) + k * _deviation(covariance, times, output)
 
+    # the rate is an output only where it has a variance
     deflection, smooth = sizes(DEFLECTION), DEFLECTION_RATE in covariance.outputs
     return LargestInTurbulence(
         name,
@@ -503,7 +511,8 @@ def _deviation(covariance: CovarianceHistory, times: FloatArray, output: str) ->
 def _worst(rows: list[LargestInTurbulence]) -> LargestInTurbulence:
     """Return the largest of each quantity over the flight times of a wind.
 
-    `rows`: the largest at each of these times.
+    `rows`: the largest at each of these times; the time of the result is that of the largest
+    deflection.
     """
     rates = [row.deflection_rate for row in rows if row.deflection_rate is not None]
     return replace(

@@ -91,10 +91,11 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
 def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
     """Return a wind placed at a flight time [s] of a vehicle; a measured wind keeps its time.
 
-    With the `placing` "peak" the peak (the middle of a flat top) is moved to that time; with
-    "flight" the wind is in flight time, and counts within half a window [s]. `InputError` for a
-    batch of winds, and a wind that never ends or is zero; `NotKnownError` from a function that
-    gives the wind.
+    A measured wind has a gust about that time, if it has one, and is unknown where the sounding
+    does not reach. With the `placing` "peak" the peak (the middle of a flat top) is moved to that
+    time; with "flight" the wind is in flight time, and counts within half a window [s].
+    `InputError` for a batch of winds, and a wind that never ends or is zero; `NotKnownError` from a
+    function that gives the wind.
     """
     if isinstance(wind, MeasuredWind):
         first, last = wind.known
@@ -122,7 +123,8 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     if placing == PEAK:
         return PlacedWind(history, time - _middle_of_peak(history, history.probe_times()))
     half = 0.5 * number("window", window, positive, "s")
-    return PlacedWind(history.before(time + half) - history.before(time - half), 0.0)
+    in_window = history.before(time + half) - history.before(time - half)
+    return PlacedWind(in_window, 0.0)
 
 
 def placed_in_planes(
@@ -163,9 +165,10 @@ def encountered_winds(
 ) -> Iterator[tuple[str, Vehicle, History]]:
     """Yield the direction of a wind, the vehicle at its largest dynamic pressure, and the wind.
 
-    The direction is empty for a wind with a single direction. `planes`: the placed wind of each
-    plane. `sign`: head, tail or frozen, of the case. `signed`: whether the wind may be either head
-    or tail. `interval`: flight times [s] of a measured wind, whose dynamic pressure is its own.
+    The direction is empty for a wind with a single direction. `placed`: the wind in one plane.
+    `planes`: the placed wind of each plane, of which that in pitch sets the dynamic pressure.
+    `sign`: head, tail or frozen, of the case. `signed`: whether the wind may be either head or
+    tail. `interval`: flight times [s] of a measured wind, whose dynamic pressure is its own.
     """
     wind = (placed.two_sided or placed.history).shift(placed.zero)
     along, angle = planes.get("pitch"), np.zeros(())
@@ -176,8 +179,8 @@ def encountered_winds(
         return
     if along is not None and not along.calm and sign != FROZEN:
         angle = np.asarray(along.history.peak)
-    ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))
-    if not angle or np.isnan(ratio):
+    ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))  # of a head wind, above one
+    if not angle or np.isnan(ratio):  # none along the path, or none that has the angle
         yield "", vehicle, wind
     elif not signed:  # it has a direction
         yield "", at_pressure(vehicle, ratio) if angle < 0.0 else vehicle, wind
@@ -188,7 +191,10 @@ def encountered_winds(
 
 
 def _at_most(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> float:
-    """Return the largest ratio in an interval of time [s], interpolated linearly."""
+    """Return the largest of ratios, given at times [s], in an interval of time ``(2,)`` [s].
+
+    Between the times ratios are interpolated linearly.
+    """
     within = times[(times > interval[0]) & (times < interval[1])]
     return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
 
@@ -314,6 +320,7 @@ def concurrent_trim(
     m)``; the trim of a wind that cannot, such as beyond linear aerodynamics, is NaN.
     """
     ordered = np.sort(times)
+    # each flight time stands for the interval to the middles between it and its neighbours
     edges = np.concatenate([ordered[:1], 0.5 * (ordered[1:] + ordered[:-1]), ordered[-1:]])
     largest = np.full((times.size, len(winds), 2), np.nan)
     for j, (name, wind) in enumerate(winds.items()):
@@ -322,9 +329,9 @@ def concurrent_trim(
             first, last = wind.known
         elif placing[name] == PEAK:
             continue
-        for i, k in enumerate(np.argsort(np.argsort(times)).tolist()):
+        for i, k in enumerate(np.argsort(np.argsort(times)).tolist()):  # k: rank of time i
             low, high = max(edges[k], first), min(edges[k + 1], last)
-            steep = not known[i, j] and first <= times[i] <= last
+            steep = not known[i, j] and first <= times[i] <= last  # beyond linear aerodynamics
             if low <= high and not steep:
                 vehicle = schedule.at(float(times[i]))
                 largest[i, j] = _largest(schedule, wind, vehicle, planes, limit_shape, (low, high))
@@ -341,9 +348,10 @@ def _largest(
 ) -> tuple[float, float]:
     """Return the largest trim [rad] of an interval of the flight, and its time [s].
 
-    `wind`: wind in flight time. `vehicle`: vehicle with which its angle is evaluated. `planes`: one
-    plane or both; with both `limit_shape` measures the vector of trim. `interval`: first and last
-    time [s].
+    Trim is B times the wind angle, B being the ratio of trim deflection to angle of attack; the
+    peak of a gust counts in addition at all times. `wind`: wind in flight time. `vehicle`: vehicle
+    with which its angle is evaluated. `planes`: one plane or both; with both `limit_shape` measures
+    the vector of trim. `interval`: first and last time [s].
     """
     low, high = interval
     components = {plane: _in_plane(wind, plane, vehicle) for plane in planes}
@@ -363,6 +371,7 @@ def _largest(
     trim = (
         np.abs(moments[0]) if len(moments) == 1 else limit_shape.gauge(moments[0] + 1j * moments[1])
     )
+    # a gust may be in any plane: the larger B counts
     trim = trim + np.max([np.abs(component) for component in slopes.values()], axis=0) * _gust(
         wind, vehicle
     )

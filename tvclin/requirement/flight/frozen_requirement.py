@@ -40,8 +40,9 @@ class FrozenRequirement:
 
     `trim` is the static trim |B alpha_w,max|; `required` for each dead band, ``(k,)``;
     `no_forecast` the lower bound of laws without a forecast; `minimum` the minimum peak of appendix
-    C; `slow_mode` y of eq (C8), from one on the slow mode of the flight path decides. `said` is why
-    one is not defined, or not satisfied exactly.
+    C; `slow_mode` the ratio y of eq (C8), of the deflections that the slow and the fast mode
+    demand: from one on the slow mode of the flight path decides. `said` is why one is not defined,
+    or not satisfied exactly.
     """
 
     trim: float
@@ -61,6 +62,7 @@ def frozen_requirements(
 ) -> Iterator[FrozenRequirement]:
     """Yield the requirements [rad] of winds that end, at dead bands ``(k,)``, by wind.
 
+    Winds whose pieces have the same shape are computed together, and yielded in their order.
     `plants`: a plant, or one for each wind. With the law "bound" `no_forecast` is the bound of
     all laws without a forecast, with "flown" the smallest limit that the recoverable-attitude law
     survives with. `two_sided`: for each wind the same with the angles of both signs, or None.
@@ -87,9 +89,10 @@ def _required_together(
 
     `plants`: batch ``(n,)``, frozen, of `winds` with the same number of pieces. `dead_bands`: K,
     ``(k,)``. `two_sided`: histories of winds of both signs; None for others. `cases`: indices of
-    the winds. NaN, and the message, where `InputError` is raised.
+    the winds. NaN, and the message, where `InputError` is raised: a batch in which one wind is
+    refused is computed again, wind by wind.
     """
-    shape = len(cases), dead_bands.size
+    shape = len(cases), dead_bands.size  # each wind with each dead band, on one axis
     index = np.repeat(np.arange(shape[0]), shape[1])
     wind = _stacked([winds[i] for i in cases], index)
     both = [history for i in cases if (history := two_sided[i]) is not None]
@@ -168,8 +171,10 @@ def slow_mode(plant: Plant, wind: History) -> float:
     if modes.poles.size < 2 or np.iscomplexobj(modes.poles) or not np.isfinite(wind.onset):
         return float("nan")
     from_onset = wind.shift(-wind.onset).laplace(modes.poles)
+    # deflection, constant from the onset on, whose effect on a mode cancels that of the wind
     demands = modes.poles * from_onset * modes.wind_residues / modes.deflection_residues
-    return float(demands[1] / demands[0])
+    fast, slow = demands[:2]  # in descending order of the poles
+    return float(slow / fast)
 
 
 def _no_forecast(plant: Plant, wind: History, law: str) -> float:
