@@ -64,9 +64,11 @@ def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
     """Return the number of substeps of each part of a sample, ``(p, parts)``; 1 for short samples.
 
     `frequencies`: natural frequencies of the nozzles [rad/s], ``(p,)``. `lengths`: lengths [s] of a
-    sample and of its parts before and after the arrival of the command, ``(p, 1 + parts)``.
+    sample and of its parts before and after the arrival of the command, ``(p, 1 + parts)``. Only
+    a sample longer than half of 1/omega (`COARSE`) is divided.
     """
-    angles = frequencies[:, np.newaxis] * lengths
+    angles = frequencies[:, np.newaxis] * lengths  # omega times length: of a sample, of its parts
+    # 1e-9 is rounding: a whole number of substeps stays that number
     substeps = np.maximum(np.ceil(SUBSTEPS * angles[:, 1:] - 1e-9), 1.0)
     return np.where(angles[:, :1] > COARSE, substeps, 1.0).astype(np.int64)
 
@@ -81,16 +83,19 @@ def with_wind(moving: LinearSystem, terms: int) -> LinearSystem:
 
 
 def with_ramp(plant: LinearSystem) -> LinearSystem:
-    """Return a plant without wind and with two further states, which make its deflection linear."""
+    """Return a plant without wind and with two further states, which make its deflection linear.
+
+    They are the deflection [rad] and its constant rate [rad/s].
+    """
     return connect([plant, polynomial_input("deflection", 2)], (), ())
 
 
 def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
     """Return J of `Steps`, ``(p, parts, N, N + 1 + terms)``: transitions over parts of a sample.
 
-    They act on the N states, the command, and the `terms` coefficients of the wind's polynomial.
-    `driven`: result of `with_wind`. `vehicle`: number of states without the nozzle. `parts`:
-    lengths of the parts [s], ``(p, parts)``.
+    They act on the N states, the command, and the `terms` coefficients of the wind's polynomial,
+    which are the last states of `driven`. `driven`: result of `with_wind`. `vehicle`: number of
+    states without the nozzle. `parts`: lengths of the parts [s], ``(p, parts)``.
     """
     steps = driven.to_steps(parts.T)
     order = len(driven.states) - terms
@@ -107,14 +112,16 @@ def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> Fl
 
     The deflection is a + (b - a) t/h, and the columns are those of a and b, ``(p, parts, n, 2)``;
     of a plant with the input deflection_acceleration also of the rates before and after, ``(p,
-    parts, n, 4)``. `ramp`: result of `with_ramp`. `parts`: lengths h [s], ``(p, parts)``.
+    parts, n, 4)``. `ramp`: result of `with_ramp`. `parts`: lengths h [s], ``(p, parts)``; a part of
+    no length has no response.
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
-    moved = ramp.to_steps(parts.T).A
+    moved = ramp.to_steps(parts.T).A  # columns: n states, the deflection, its rate
     free, rise = (np.swapaxes(moved[..., :n, k], 0, 1) for k in (slice(n), n + 1))
     start, rise, kick = np.swapaxes(moved[..., :n, n], 0, 1), rise / span, []
     if "deflection_acceleration" in plant.inputs:
-        # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the constant rate of the part
+        # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the constant rate of the part and
+        # b3 the column of the acceleration: a jump of the rate is an impulse of it at either end
         b3 = np.broadcast_to(plant.B[:, np.newaxis, :, 2], rise.shape)
         later = (free @ b3[..., np.newaxis])[..., 0]
         rise, kick = rise + (later - b3) / span, [-later, b3]
@@ -136,7 +143,8 @@ def sensed_rows(plant: LinearSystem) -> FloatArray:
     for row, name in enumerate(names):
         k = columns.get(f"sensed_{name}", columns.get(name))
         if k is not None:
-            rows[:, row, :n], rows[:, row, n] = plant.C[:, k], plant.D[:, k, 1]
+            wind = plant.D[:, k, 1]  # inputs: deflection, wind
+            rows[:, row, :n], rows[:, row, n] = plant.C[:, k], wind
     return rows
 
 
@@ -284,8 +292,9 @@ _IDEAL_BANDWIDTH = 1e100
 def flights(batch: Batch, *, track: bool = False) -> Flights:
     """Return the arrays of the kernel for the flights of a batch at their start, in equilibrium.
 
-    `track`: whether the samples of a single flight are recorded. All arrays are writable: the
-    kernel would be compiled again for others.
+    p vehicles are plants with hardware, m flights refer to them by index, and N states are those of
+    vehicle and nozzle. `track`: whether the samples of a single flight are recorded. All arrays are
+    writable: the kernel would be compiled again for others.
     """
     batch_shape, (vehicle, encountered) = batch.vehicles, batch.indices
     knots, pieces = (np.ascontiguousarray(array) for array in polynomial_pieces(batch.wind.pieces))
@@ -295,12 +304,13 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     judges = outcome_criteria(batch.plant)
     criteria_index = indices_in(batch.plant.batch, batch_shape)
     cases, noise = _cases(batch, judges, criteria_index)
-    h = steps.lengths[vehicle, 0]
+    h = steps.lengths[vehicle, 0]  # sample periods of the flights [s]; the others are of parts
     memory = batch.laws.memory(h)
     if len(memory.states) > 1:
         cases.memory[:] = np.arange(vehicle.size)
     N = steps.joint.shape[2]
     now = equilibrium(vehicle.size, len(plant.states), steps, terms, memory.states.shape[1])
+    # index of the last breakpoint of the wind that is not after the start, -1 before all
     now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
     rows = int(steps.substeps.sum() * cases.finish.max()) if track else 0
     return Flights(
@@ -308,7 +318,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         vehicles=Vehicles(
             shown=sensed_rows(plant),
             A=plant.A,
-            gust=np.ascontiguousarray(plant.B[..., 1]),
+            gust=np.ascontiguousarray(plant.B[..., 1]),  # the column of the wind
             fastest=np.abs(plant.poles).max(axis=-1),
             judges=widened(
                 judges.rows[criteria_index], N, len(plant.states) - len(batch.plant.system.states)
@@ -355,10 +365,12 @@ class Timing(NamedTuple):
     ) -> Timing:
         """Return the timing of the samples of p vehicles.
 
-        `hardware`: gives the actuators. `shape`: shape of the batch of vehicles. `length`, `delay`:
-        sample periods and computing delays [s], ``(p,)``.
+        A delay is whole samples, `late`, and a rest: a command arrives within a sample, which is
+        then the part before the arrival and the part after it. `hardware`: gives the actuators.
+        `shape`: shape of the batch of vehicles. `length`, `delay`: sample periods and computing
+        delays [s], ``(p,)``.
         """
-        late, rest = split_delay(delay, length)
+        late, rest = split_delay(delay, length)  # the part after the arrival is the first one
         parts = [length - rest, rest] if np.any(rest) else [length]
         lengths = np.stack([length, *parts], axis=-1)
         substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
@@ -374,7 +386,8 @@ class Timing(NamedTuple):
         """Return the `Steps` of these samples with transition matrices of their vehicles.
 
         `joint`, `fine`: matrices J over the parts of a sample and over their substeps. `ramp`:
-        response to a linear deflection in a substep.
+        response to a linear deflection in a substep. `quick` is bandwidth times substep of a
+        first-order nozzle.
         """
         lengths, substeps, pace, late = self
         quick = np.where(self.short > 0.0, pace * self.short, 0.0)
@@ -402,9 +415,10 @@ def _cases(
 ) -> tuple[Cases, FloatArray]:
     """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
 
-    The second result is rows of noise of measured attitude rates [rad/s]. `judges`: outcome
-    criteria of the different plants. `criteria_index`: index in `judges` of each of p vehicles,
-    ``(p,)``.
+    The second result is rows of noise of measured attitude rates [rad/s]. A flight is judged every
+    `JUDGED_SAMPLES` samples, so that the time of waiting is a multiple of them. `judges`: outcome
+    criteria of the different plants, with times [s] of settling and waiting, NaN in `reach` where
+    flights have no outcome. `criteria_index`: index in `judges` of each of p vehicles, ``(p,)``.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
     h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]
@@ -414,7 +428,7 @@ def _cases(
         np.ceil(np.where(has_reach, a[criteria_index][vehicle], 0.0) / h)
         for a in (judges.waiting, judges.settling)
     )
-    waiting = (
+    waiting = (  # rounded up: -(-a // b)
         -(-np.minimum(waiting, _MAX_SAMPLES_AFTER_WIND) // kernel.JUDGED_SAMPLES)
         * kernel.JUDGED_SAMPLES
     )
@@ -445,6 +459,7 @@ def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Flight
     `n`: number of states of the plant. `steps`: transition matrices of the vehicles. `terms`:
     number of coefficients of the wind's polynomial. `memory`: number of states of the laws.
     """
+    # N states of vehicle and nozzle; `late` whole samples of delay, of which commands are kept
     N, late = steps.joint.shape[2], int(steps.late.max(initial=0))
     return FlightStates(
         y=np.zeros((m, N)),
@@ -489,6 +504,7 @@ def samples_in(span: FloatArray, period: FloatArray) -> IntArray:
     `period`: sampling period [s]. The two are broadcast.
     """
     is_finite = np.isfinite(span)
+    # 1e-9 of a sample is rounding: a span of ten periods has ten samples
     samples = np.ceil(np.where(is_finite, span, 0.0) / period - 1e-9)
     return np.where(is_finite, np.maximum(samples, 1), NEVER).astype(np.int64)
 
@@ -496,6 +512,7 @@ def samples_in(span: FloatArray, period: FloatArray) -> IntArray:
 def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return rows of noise [rad/s], one for each level and seed, and the row of each flight.
 
+    The noise of a law is its level [rad/s rms] and its seed; without any the rows are empty.
     `laws`: laws of the flights, with their noise. `samples`: number of samples of each flight,
     ``(m,)``.
     """

@@ -50,7 +50,10 @@ def check_sample_rate(sample_rate: float, actuator: Actuator | None) -> float:
 
 
 def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> FloatArray:
-    """Return sample rates [Hz] of laws; `InputError` if one is too low for its actuator."""
+    """Return sample rates [Hz] of laws; `InputError` if one is too low for its actuator.
+
+    It is too low where a sample would have more than a thousand substeps of 1/8 of 1/omega.
+    """
     rates = errors.within(
         "sample_rate", errors.positive("sample_rate", sample_rate, "Hz"), *_SAMPLE_RATES, "Hz"
     )
@@ -129,7 +132,7 @@ def check_not_lost(time: float, states: FloatArray) -> None:
 
 
 def check_actuator(actuator: Actuator | None) -> None:
-    """Raise `InputError` unless `actuator` is None or a single actuator."""
+    """Raise `InputError` unless `actuator` is None or a single actuator, not a batch."""
     if actuator is None:
         return
     errors.instance("actuator", actuator, Actuator, "of one natural frequency")

@@ -145,7 +145,7 @@ class FlownMargins(Shown):
 
     @property
     def linear(self) -> LinearMargins:
-        """Margins of gain and delay in the linear range of the loop."""
+        """Margins of gain (factors above one) and delay [s] in the linear range of the loop."""
         return LinearMargins(
             *(getattr(self, n).linear for n in ("gain_fall", "gain_rise", "delay"))
         )
@@ -156,7 +156,7 @@ class FlownMargins(Shown):
         """Sentences on the status, on margins without a failure, and on changes that survive."""
         notes = [] if self.status == OK else [self.status]
         for name in CHANGES:
-            m: FlownMargin = getattr(self, name)
+            m: FlownMargin = getattr(self, name)  # the field has the name of the change
             label = name.replace("_", " ")
             if m.cause == NOTHING:
                 notes.append(f"{label} inf: none up to {m.scan[-1]:.4g} is lost or rings")
@@ -191,7 +191,7 @@ def flown_table(margins: FlownMargins, caption: str = "Flown margins") -> Table:
 def _change_cell(name: str, value: float, is_delay: bool) -> Line:
     """Return the cell of a further delay [s], in ms, or of a factor, in dB with the factor.
 
-    `name`: key of the cell in JSON. `value`: the delay or the factor.
+    `name`: key of the cell in JSON. `value`: the delay or the factor. `is_delay`: which of both.
     """
     if is_delay:
         return margin(name, 1000.0 * value, "ms")
@@ -337,7 +337,10 @@ def flown_margins(
 
 @dataclass(frozen=True)
 class _Flights:
-    """Flights of one law in several winds, with one quantity changed."""
+    """Flights of one law in several winds, with one quantity changed.
+
+    `options`: limits, actuator, sample rate and delay of the unchanged flight, as in `fly_many`.
+    """
 
     plant: AnyPlant
     law: Law
@@ -347,14 +350,15 @@ class _Flights:
     def survive(self, name: str, values: FloatArray) -> NDArray[np.str_]:
         """Return the status over all winds for each value of a change, ``(n,)``.
 
-        `name`: name of the change, see `CHANGES`. `values`: factors above one, or further delays
-        [s].
+        The status is the first other than "survived" in a wind. `name`: name of the change, see
+        `CHANGES`. `values`: factors above one, by which a quantity that falls is divided, or
+        further delays [s].
         """
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
             """Return the status of flights in a wind with the values at which `chosen` is true."""
             plant, options = self.plant, self.options
-            by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]
+            by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]  # or a delay
             if name == "delay":
                 options = options | {"delay": options["delay"] + by}
             elif name.startswith("gain"):
@@ -372,7 +376,8 @@ class _Flights:
 def _linear_margins(flight: Batch, pole: float) -> dict[str, float]:
     """Return the linear margin of each of `CHANGES`, a factor or a delay [s].
 
-    `flight`: batch of the unchanged flight. `pole`: fastest unstable pole of the plant [1/s].
+    The change is that at which the loop in its linear range becomes unstable. `flight`: batch of
+    the unchanged flight. `pole`: fastest unstable pole of the plant [1/s].
     """
     names = ("gain", "effectiveness")
     factors = [factor for name in names for factor in linear_gain_margins(flight, name, pole)]
@@ -382,8 +387,11 @@ def _linear_margins(flight: Batch, pole: float) -> dict[str, float]:
 def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMargin:
     """Return the flown margin of one quantity, by a scan from the largest change to none.
 
-    `name`: name of the change, see `CHANGES`. `linear`: its linear margin, a factor or a delay [s].
-    `pole`: fastest unstable pole of the plant [1/s].
+    The scan runs backwards, over the fraction `back` of `_change`, because `limit_above_losses`
+    finds the value above which all survive: here that is the change below which all do. The margin
+    is the smaller of it and the linear margin. `flights`: flights of the law. `name`: name of the
+    change, see `CHANGES`. `linear`: its linear margin, a factor or a delay [s]. `pole`: fastest
+    unstable pole of the plant [1/s].
     """
     if name == "delay":
         room = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]
@@ -394,6 +402,7 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
     limit: SurvivalLimit = limit_above_losses(
         lambda back: flights.survive(name, change(back)), np.linspace(0.0, 1.0, STEPS + 1)
     )
+    # `lost` is the loss nearest to no change: minus infinity if there is none
     loss = np.inf if limit.lost == -np.inf else float(change(limit.limit))
     value = min(loss, linear)
     scan, survives = change(limit.scan)[::-1], (limit.outcomes == SURVIVED)[::-1]
@@ -412,6 +421,7 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
 def _change(delays: bool, end: float, back: Any) -> Any:
     """Return the change at a fraction `back` of the scan: 0 is its end, 1 is no change.
 
-    `delays`: whether the change is a delay [s], else a factor. `end`: largest change.
+    Factors are of equal ratio, and 1 is no change; a delay [s] is zero then. `delays`: whether the
+    change is a delay [s], else a factor. `end`: largest change.
     """
     return end * (1.0 - back) if delays else end ** (1.0 - back)

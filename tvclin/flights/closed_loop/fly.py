@@ -200,6 +200,7 @@ def _continuous(
 
     `plant`: rigid plant. `times`: [s], ``(m,)``. `limits`: limits of deflection [rad] and rate
     [rad/s]. `actuator`: nozzle dynamics, if any. `gain`: factor on the demand of the law.
+    `InputError` for noise and filters of a law, and a rate limit without an actuator.
     """
     if law.rate_noise[0]:
         raise InputError("noise belongs to samples; give a sample_rate")
@@ -238,16 +239,18 @@ class LinearEquations:
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
         """Return the derivatives A x + B u of the states x at a time `t` [s], ``(n,)``.
 
-        `deflection`: deflection [rad]. `gust`: wind angle [rad].
+        `deflection`: deflection [rad]. `gust`: wind angle [rad]. The time is not used: the matrices
+        are constant.
         """
         del t
         A, B, _, _ = self._system.matrices()
         return A @ x + B[:, 0] * deflection + B[:, 1] * gust
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
-        """Return theta - gamma - alpha_w [rad] at times `t` [s].
+        """Return theta - gamma - alpha_w [rad] at times `t` [s], which are not used.
 
-        `x`: states, ``(n, ...)``. `gust`: wind angle alpha_w [rad].
+        gamma is zero in a model with a fixed path, which has two states. `x`: states, ``(n, ...)``:
+        attitude theta, its rate, and path angle gamma. `gust`: wind angle alpha_w [rad].
         """
         del t
         return x[0] - gust if len(self.plant.states) < 3 else x[0] - x[2] - gust
@@ -255,7 +258,7 @@ class LinearEquations:
     def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
         """Return the measurements of the lateral sensors by name, at times `t` [s].
 
-        `x`: states, ``(n, ...)``.
+        The times are not used: the matrices are constant. `x`: states, ``(n, ...)``.
         """
         del t
         rows = self._system.C[len(self.plant.outputs) :] @ x
@@ -279,7 +282,8 @@ def _sampled(
     """Return n states and deflection [rad] at m times of a sampled flight, ``(n + 1, m)``.
 
     `times`: [s], ``(m,)``. `limit`: deflection limit [rad]. `hardware`: sample period, delay,
-    actuator and rate limit. `gain`: factor on the demand of the law.
+    actuator and rate limit. `gain`: factor on the demand of the law. `InputError` for too many
+    samples, and a plant too fast for them.
     """
     length = float(hardware.length)
     start, last = float(wind.onset), float(times.max())
@@ -335,8 +339,9 @@ def fly_nozzle(
     """Return the motion of a nozzle in the sampled flight of a law in one wind.
 
     `deflection_limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s]. `sample_rate`:
-    samples of the law per second [Hz]. `delay`: computing delay [s]. `InputError` as `fly_many`,
-    and for a wind of too many samples or times.
+    samples of the law per second [Hz]. `delay`: computing delay [s]. The flight goes on for 15 over
+    the fast pole after its wind, or as long as the number of times allows. `InputError` as
+    `fly_many`, and for a wind of too many samples or times.
     """
     onset, end, h = float(wind.onset), float(wind.end), 1.0 / sample_rate
     per_sample = times_per_sample(plant, actuator, h)
@@ -347,7 +352,7 @@ def fly_nozzle(
     none = np.empty(0)
     if status in (LOST, NO_FLIGHT):
         return NozzleFlight(status, none, none, none, none, None, None)
-    first = onset + delay % h
+    first = onset + delay % h  # commands arrive in this phase of a sample
     after = min(_TIME_AFTER_WIND_TIMES_POLE / float(plant.coefficients.pole), longest)
     count = int(np.ceil((end - first + after) / h))
     times = np.asarray(first + h / per_sample * np.arange(count * per_sample + 1), dtype=np.float64)

@@ -284,7 +284,8 @@ def fly_many(
 def unstable_loops(batch: Batch, f: Flights) -> BoolArray:
     """Return whether the loop of each flight is unstable or has a limit cycle, ``(m,)``.
 
-    `batch`: the flights. `f`: their arrays at their ends.
+    Unstable is an oscillation in the linear range, below all limits; the limit cycle is looked for
+    only with modes of bending or slosh. `batch`: the flights. `f`: their arrays at their ends.
     """
     unstable = oscillation_growth(batch, f) > _MIN_GROWTH
     if not batch.plant.has_modes:
@@ -299,7 +300,7 @@ def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> Flo
     whether each case is possible, of the shape of the batch. `rings`: whether the loop of each
     flight keeps oscillating, ``(k,)``.
     """
-    outcome = np.full(possible.shape, len(STATUS) - 1)
+    outcome = np.full(possible.shape, len(STATUS) - 1)  # "no flight", the last of them
     if f is None:
         nothing = np.full(possible.shape, np.nan)
         sizes = dict.fromkeys(FlownCases.__dataclass_fields__, nothing)
@@ -312,6 +313,7 @@ def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> Flo
         return array
 
     h = f.steps.lengths[f.cases.vehicle, 0]
+    # Columns of peaks: attitude, its rate, deflection, its rate, angle of attack, samples at limit
     survived = f.now.outcome == STATUS.index(SURVIVED)
     outcome[possible] = np.where(survived & rings, STATUS.index(RINGS), f.now.outcome)
     return FlownCases(

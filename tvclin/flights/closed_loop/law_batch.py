@@ -41,7 +41,8 @@ SENSED = ("sensed_attitude", "sensed_attitude_rate", *LAW_INPUTS[2:])
 class Memory(NamedTuple):
     """Step matrices of the s states of laws with their filters, for each of l flights or for all.
 
-    Each row acts on the states, the eight sensor outputs, and the demand of the law.
+    l is 1 where all flights have the same matrix. Each row acts on the states, the eight sensor
+    outputs, and the demand of the law.
 
     `states`: rows of the next states, ``(l, s, s + 9)``. `inputs`: rows of the law's inputs behind
     the filters, ``(l, 8, s + 9)``; empty without filters. `demand`: row of the filtered demand,
@@ -77,8 +78,11 @@ class LawBatch:
     def memory(self, lengths: FloatArray) -> Memory:
         """Return the step matrices of the states of laws and filters.
 
+        They are padded to the states of the law that has most; `wide` columns act on these states,
+        the sensor outputs, and the demand. Without states and filters they are empty, one for all.
         `lengths`: lengths of the steps [s], one for each flight, ``(m,)``.
         """
+        # `first_state` is the gain on the integral of the attitude, which a batch of gains may have
         integral = any(law is not None and law.first_state for law in self.numbers)
         systems = [law.state_space for law in self.laws] or [attitude_integral(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
@@ -133,7 +137,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     if isinstance(law, Autopilot):
         return _batch_of_gains(law, shape)
     laws = _array(law)
-    different = {id(element): element for element in laws.flat}
+    different = {id(element): element for element in laws.flat}  # one entry for each object
     position = {key: k for k, key in enumerate(different)}
     index = np.array([position[id(element)] for element in laws.flat], dtype=np.int64)
     distinct = tuple(different.values())
@@ -187,6 +191,8 @@ def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: i
     `system`: the law in state space. `chains`: filters of the sensors and the demand. `lengths`:
     lengths of the steps [s], ``(m,)``. The law's states precede the states of each chain. The
     output of a controller in state space takes the place of the attitude among the law's inputs.
+    The rows are those of x+ = F [x, sensors, demand], then of the law's inputs, then of the
+    filtered demand.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
     first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]

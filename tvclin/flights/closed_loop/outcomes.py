@@ -35,7 +35,12 @@ class OutcomeCriteria(NamedTuple):
 
 
 def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
-    """Return the criteria of loss and survival of a batch of plants, flattened to p plants."""
+    """Return the criteria of loss and survival of a batch of plants, flattened to p plants.
+
+    A coordinate of an unstable mode [rad] is recoverable below 1/``|B|``, the `reach`, times the
+    deflection limit, B being the trim deflection per angle of attack; of two modes it depends on
+    both.
+    """
     fast, slow, reach = _unstable_poles(plant)
     two, B = ~np.isnan(slow), np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()
     slow = np.where(two, slow, fast)
@@ -53,7 +58,8 @@ def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
 def decidable(plant: AnyPlant) -> BoolArray:
     """Return whether flights of each plant have an outcome, in the shape of the batch.
 
-    They have for one or two real unstable poles and a control moment.
+    They have for one or two real unstable poles and a control moment, which is where the reach of
+    their recoverable set is finite and positive.
     """
     reach = _unstable_poles(plant)[-1]
     return (np.isfinite(reach) & (reach > 0.0)).reshape(plant.batch)
@@ -62,12 +68,13 @@ def decidable(plant: AnyPlant) -> BoolArray:
 def _unstable_poles(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the fast and the slow real unstable pole [1/s], NaN without it, and the reach 1/|B|.
 
-    All are ``(p,)``; a plant with other unstable poles has a reach of NaN.
+    All are ``(p,)``. A plant with other unstable poles has a reach of NaN, and a fast pole of 1 in
+    place of one. B is the trim deflection per angle of attack.
     """
     poles = select_unstable(plant.poles)
     size = int(np.prod(plant.batch))
     poles = poles.reshape(-1, poles.shape[-1]) if poles.size else np.full((size, 1), np.nan)
-    columns = np.ascontiguousarray(poles.T)
+    columns = np.ascontiguousarray(poles.T)  # a row for each mode, the fastest first, NaN after
     real = np.all((np.imag(columns) == 0.0) | np.isnan(columns), axis=0)
     count = np.sum(~np.isnan(columns), axis=0)
     valid = real & (count > 0) & (count <= MAX_MODES)

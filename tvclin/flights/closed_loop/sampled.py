@@ -44,8 +44,10 @@ def flown(batch: Batch, *, track: bool = False) -> Flights:
 def finish(f: Flights, laws: LawBatch) -> None:
     """Step flights of laws to their ends, in place.
 
-    `f`: the flights, changed in place. `laws`: their laws; one without numbers is evaluated by
-    Python.
+    They run in plain Python until the time that the kernel would take, the estimated and then the
+    elapsed one, is worth compiling it; the rest runs as machine code, in several threads if it is
+    long. `f`: the flights, changed in place. `laws`: their laws; one without numbers is evaluated
+    by Python.
     """
     if not isinstance(f.laws.numbers, np.ndarray) and None in laws.numbers:
         _finish_in_python(f, laws)
@@ -109,7 +111,7 @@ class Stepper:
         seconds = float(_minimum_samples(f).sum()) * kernel.PLAIN
         self._look = choice.fastest(kernel.measure_flights, seconds)
         compiled = self._look is not kernel.measure_flights
-        # both, as machine code takes other arrays
+        # both kernels together, as machine code takes other arrays
         self._advance = machine_code(kernel.move_flights) if compiled else kernel.move_flights
         self._flights = _with_law_array(f) if compiled else f
 
@@ -127,15 +129,19 @@ class Stepper:
 
 
 def _minimum_samples(f: Flights) -> IntArray:
-    """Return the smallest number of samples of each of the flights `f`, ``(m,)``."""
+    """Return the smallest number of samples of each of the flights `f`, ``(m,)``.
+
+    It is that of a fixed end, or of the wind and the time that a flight must be settled after it.
+    """
     return np.where(f.cases.finish < NEVER, f.cases.finish, f.cases.ends + f.cases.settling)
 
 
 def _demand(law: Any, f: Flights, flights: IntArray) -> FloatArray:
     """Return the demands [rad] of a law in k of the flights `f`, ``(k,)``.
 
-    `flights`: indices of the k flights. A single flight is evaluated with plain floats, in half the
-    time.
+    The law gets their measurements at the present sample, its states and the deflection limits
+    [rad]. `flights`: indices of the k flights. A single flight is evaluated with plain floats, in
+    half the time.
     """
     order = len(law.states[0])
     states, limit = f.now.states[flights, :order], f.cases.limit[flights]
@@ -187,7 +193,9 @@ class Tracked(NamedTuple):
 def tracked(flight: Batch, times: FloatArray) -> Tracked:
     """Return states, deflection and nozzle motion of one sampled flight at times [s] up to its end.
 
-    `flight`: batch of this flight. `InputError` if its states exceed `LOST`.
+    `flight`: batch of this flight. `InputError` if its states exceed `LOST`. Times are within
+    substeps of the nozzle (`_Substeps`): there the rate is constant if it is limited, else that of
+    the actuator's equation.
     """
     actuator, f = flight.hardware.actuator, flown(flight, track=True)
     n = len(flight.system.states)
@@ -197,6 +205,7 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
         return Tracked(rows, None, None)
+    # state n is the nozzle, after those of the plant; the first input is the command
     derivatives = system.A @ at.unlimited + system.B[:, :1] * at.command
     before = times < at.onset
     rate = np.where(before, 0.0, np.where(at.bounded, at.slope, derivatives[n]))
@@ -222,7 +231,7 @@ def _check_recorded(f: Flights, order: int) -> None:
         beyond = ~(np.abs(track[:, :order]).max(axis=1) <= LOST)
     if np.any(beyond):
         first = track[np.argmax(beyond)]
-        check_not_lost(float(first[-1]), first[:order])
+        check_not_lost(float(first[-1]), first[:order])  # its last number is the time
 
 
 def _rows(
@@ -230,13 +239,16 @@ def _rows(
 ) -> FloatArray:
     """Return the n states of the plant and the deflection [rad] at m times, ``(n + 1, m)``.
 
-    They are zero before the onset of the wind. `at`: substeps of the times. `bare`: the plant
-    without its `actuator`. `times`: flight times [s].
+    They are zero before the onset of the wind. Without a limit the state follows the matrices of
+    plant and nozzle from the start of the substep; where the nozzle is limited, the plant follows a
+    deflection that is a straight line. The response to the wind is added to both. `at`: substeps of
+    the times. `bare`: the plant without its `actuator`. `times`: flight times [s].
     """
     y, first, slope = at.y, at.first, at.slope
     n = len(bare.states)
     vehicle = y[:, :n]
     if "deflection_acceleration" in bare.inputs:  # an impulse at the start of the constant rate
+        # y[:, n + 1] is the nozzle rate, zero at the deflection limit; input 2 the acceleration
         before = np.where(np.abs(y[:, n]) <= at.limit, y[:, n + 1], 0.0)
         vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]
     rows = np.zeros((n + 1, times.size))
@@ -277,7 +289,9 @@ class _Substeps(NamedTuple):
     def stepped(self, steps: AnyArray, states: AnyArray) -> AnyArray:
         """Return the products of step matrices and states, as columns ``(n, m)``.
 
-        `steps`: matrices of the distinct times. `states`: ``(m, n)``.
+        Times on a grid have few distinct values, and matrices are multiplied by all of their states
+        at once; otherwise one by one, in blocks of limited memory. `steps`: matrices of the
+        distinct times. `states`: ``(m, n)``.
         """
         columns = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
         if self.distinct.size > _MAX_LOOPED_TIMES:
@@ -295,8 +309,9 @@ class _Substeps(NamedTuple):
 def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _Substeps:
     """Return the substeps that contain m times [s] of a recorded flight.
 
-    `f`: arrays of the flight with its track. `system`: plant with nozzle, whose first `n` states
-    are those of the plant.
+    A row of the track is a substep: its state, command, deflection at the end, whether the nozzle
+    was limited, and its start [s]. `f`: arrays of the flight with its track. `system`: plant with
+    nozzle, whose first `n` states are those of the plant.
     """
     N, order = f.now.y.shape[1], len(system.states)
     limit, track = float(f.cases.limit[0]), _recorded_rows(f)
@@ -329,15 +344,20 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
 
 
 def _recorded_rows(f: Flights) -> FloatArray:
-    """Return the rows of the track of a single flight `f` that were written, ``(k, N + 4)``."""
+    """Return the rows of the track of a single flight `f` that were written, ``(k, N + 4)``.
+
+    Each is a substep: N states, command, deflection at the end, 1 if the nozzle was limited, and
+    the start [s], which is NaN in rows that were not written.
+    """
     return f.track[~np.isnan(f.track[:, -1])]
 
 
 def _wind_response(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps) -> FloatArray:
     """Return the response of n states to the wind since the start of the substep, ``(n, m)``.
 
-    `A`: matrix of the plant, ``(n, n)``. `gust`: its column for the wind, ``(n,)``. `at`: substeps
-    of m times.
+    The wind is a piece of its history, generated by further states; in a substep with a breakpoint
+    the pieces are joined one after the other. `A`: matrix of the plant, ``(n, n)``. `gust`: its
+    column for the wind, ``(n,)``. `at`: substeps of m times.
     """
     n, pieces = len(A), wind.pieces
     matrix, begins = piece_matrix(A, gust, pieces), at.begins

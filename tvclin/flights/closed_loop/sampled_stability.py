@@ -43,7 +43,8 @@ def dominant_pole(batch: Batch) -> complex:
     """Return the dominant pole log(z)/h [1/s] of one loop, with imaginary part >= 0.
 
     z is the eigenvalue of largest modulus of its step at equilibrium. The imaginary part is the
-    frequency of the samples, at most half their rate. `batch`: batch of one flight.
+    frequency [rad/s] in the samples, at most pi times their rate. The length of a sample is h [s].
+    `batch`: batch of one flight.
     """
     values = np.linalg.eigvals(equilibrium_step(batch)).astype(complex)
     worst = values[np.abs(values).argmax()]
@@ -54,9 +55,11 @@ def dominant_pole(batch: Batch) -> complex:
 def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     """Return the largest growth rate [1/s] of an oscillation of each of m loops, ``(m,)``.
 
-    Slow modes do not count: real positive eigenvalues of the step, and frequencies below a tenth of
-    the fastest unstable pole, such as the pole of the path. `batch`: the loops. `f`: arrays of
-    their flights, at any sample.
+    It is log(r)/h, r being the largest modulus of an oscillating eigenvalue of the step, and h [s]
+    the length of a sample; where none oscillates, r is the smallest positive number. Slow modes do
+    not count: real positive eigenvalues of the step, and frequencies below a tenth of the fastest
+    unstable pole, such as the pole of the path. `batch`: the loops. `f`: arrays of their flights,
+    at any sample.
     """
     # Flights that differ in their limit alone have the same loop, unless their law depends on it.
     laws, of_flight = np.unique(f.cases.law, return_inverse=True)
@@ -71,6 +74,7 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     values = eigenvalues.astype(complex)[which.ravel()]
     h = f.steps.lengths[f.cases.vehicle, 0]
     frequencies = np.abs(np.angle(values)) / h[:, np.newaxis]
+    # A flight settles in SETTLING/pole [s], `cases.settling` samples, which gives the pole
     slowest = MIN_FREQUENCY_OVER_POLE * SETTLING / np.maximum(f.cases.settling * h, h)
     oscillates = (frequencies > slowest[:, np.newaxis]) & (np.angle(values) != 0.0)
     radius = np.where(oscillates, np.abs(values), 0.0).max(axis=1, initial=np.finfo(float).tiny)
@@ -89,7 +93,8 @@ def equilibrium_step(batch: Batch) -> FloatArray:
 def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """Return the matrices of k loops over a sample at equilibrium, finite ones, ``(k, n, n)``.
 
-    `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
+    A matrix whose entries are not finite is replaced by one with a huge eigenvalue. `batch`, `f`:
+    all flights, and their arrays. `cases`: indices of the k flights.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         steps = _loop_steps(batch, f, cases)
@@ -105,7 +110,9 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 
     They act on the n states of `equilibrium_step`, and each signal of the loop is a matrix of its
     coefficients on them. The last `command_count` commands [rad], of which all but one are pending,
-    are states. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
+    are states. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights. The
+    part of a sample with `index` 0 is the last: there a command that is `late` samples old acts,
+    and before it, in the part with index 1, the one before.
     """
     k, arrays = cases.size, (f.now.y, f.now.states, f.now.commands)
     order, law_order, command_count = (array.shape[1] for array in arrays)
@@ -153,7 +160,9 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """Return the derivatives of k demands by measurements and law states, ``(k, 8 + s)``.
 
-    `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
+    They are finite differences of a size far below every limit and dead band. A law that `leans`
+    depends on the limit, and has a row for each flight; another has one. s is the number of its
+    states. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
     """
     reach = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
     small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]
@@ -174,8 +183,9 @@ def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 def _slopes_of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
     """Return the derivatives of a demand by measurements and law states, ``(8 + s,)``.
 
-    `numbers`: numbers of the law. `small`: finite difference. `limit`: deflection limit [rad].
-    `width`: 8 + s.
+    The last row of points is the origin, from which the others differ in one number. `numbers`:
+    numbers of the law. `small`: finite difference. `limit`: deflection limit [rad]. `width`: 8
+    measurements and s states.
     """
     rows = (small * np.eye(width + 1, width)).tolist()
     values = [law_demand(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
@@ -185,8 +195,9 @@ def _slopes_of_numbers(numbers: LawNumbers, small: float, limit: float, width: i
 def _slopes_of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
     """Return the derivatives of m demands by measurements and law states, ``(m, 8 + s)``.
 
-    `law`: law in Python. `small`: finite differences, ``(m,)``. `limit`: deflection limits [rad],
-    ``(m,)``. `width`: 8 + s.
+    The last row of points is the origin, from which the others differ in one number. `law`: law in
+    Python. `small`: finite differences, ``(m,)``. `limit`: deflection limits [rad], ``(m,)``.
+    `width`: 8 measurements and s states.
     """
     order = len(law.states[0])
     rows = small * np.eye(width + 1, width)[..., np.newaxis]
@@ -219,7 +230,9 @@ _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
 def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, float]:
     """Return the gain reduction and increase, factors above one, until the loop is unstable.
 
-    Infinite if it never is. `batch`: one flight with a stable loop. `name`: "gain" of the law or
+    Infinite if it never is. A factor 1/l brings a mode to the unit circle at each angle at which
+    the response l of the loop (`_response`) is real and positive: the nearest factors below and
+    above one are the margins. `batch`: one flight with a stable loop. `name`: "gain" of the law or
     "effectiveness" of the nozzle. `pole`: fastest unstable pole of the plant [1/s].
     """
     hardware = batch.hardware
@@ -227,7 +240,7 @@ def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, fl
     loop = _response(batch.delayed(rest), name, float(samples))
     angles = _angles(batch, pole, float(samples))
     real = [_ZERO_ANGLE, *_roots(lambda a: loop(a).imag, angles), np.pi]
-    values = loop(np.array(real))
+    values = loop(np.array(real))  # real at a zero of its imaginary part, not where that jumps
     is_real = np.abs(values.imag) < _MAX_IMAGINARY_OVER_REAL * np.abs(values.real)
     factors = 1.0 / values[is_real].real
     fall = factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)
@@ -241,7 +254,7 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
     The delay is f + n samples. With the fraction f included in the response l of the loop
     (`_response`), n = arg(l)/theta samples bring a mode to the unit circle where ``|l| = 1``; f is
     the root for which n is a whole number. `batch`: one flight with a stable loop. `pole`: fastest
-    unstable pole of the plant [1/s].
+    unstable pole of the plant [1/s]. Infinite if no delay makes it unstable.
     """
     from scipy.optimize import brentq
 
@@ -270,8 +283,9 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
     """Return the response l(z) of an opened loop as a function of the angle of z = e^(j theta).
 
     The loop with a factor on the gain or the effectiveness is at its stability limit where factor
-    times l is 1. `batch`: one flight. `name`: "gain" or "effectiveness". `samples`: whole samples
-    of further delay.
+    times l is 1. The step is A + g D with the gain g: A is the step without the law, D its effect
+    (`A_1`, `D_1`; `dA`, `dD` are their changes when the effectiveness rises by one). `batch`: one
+    flight. `name`: "gain" or "effectiveness". `samples`: whole samples of further delay.
     """
 
     def step(gain: float, effectiveness: float) -> FloatArray:
@@ -288,7 +302,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
     def response(angles: Any) -> ComplexArray:
         """Return l at angles [rad] on the unit circle, in their shape."""
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
-        z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)
+        z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples
         M = A_1 + delay * D_1
         change = delay * D_1 if name == "gain" else dA + delay * dD
         product = np.linalg.solve(z * unit - M + change, change)

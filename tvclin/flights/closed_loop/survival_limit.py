@@ -86,8 +86,9 @@ class SurvivalLimit:
 def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray) -> SurvivalLimit:
     """Return the smallest value above which all values of a scan and its refinements survive.
 
-    `survives`: function from values ``(n,)`` to their status, ``(n,)``. `scan`: equidistant values,
-    rising.
+    Each refinement divides the step into 16 parts, and scans the four steps above the highest loss
+    until all of them survive. `survives`: function from values ``(n,)`` to their status, ``(n,)``.
+    `scan`: equidistant values, rising.
     """
     bottom, top = float(scan[0]), float(scan[-1])
     step = float(scan[1] - scan[0])
@@ -95,7 +96,10 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
     status: list[Words] = []
 
     def lost(values: FloatArray) -> BoolArray:
-        """Return whether flights with limits ``(n, 1)`` diverge; each limit is flown once."""
+        """Return whether flights with limits ``(n, 1)`` diverge; each limit is flown once.
+
+        Limits above the top of the scan are not flown, and count as surviving.
+        """
         column, diverged = values[:, 0], np.zeros(values.shape, np.bool_)
         new = column < top if tried else column <= top  # the first scan includes the top
         if np.any(new):  # none above a top that does not survive
@@ -127,7 +131,8 @@ def limits_above_losses(
     Values are tried every `STRIDE` from `low` to `high`; above the highest loss every `FINE` until
     a range of `AHEAD` survives; and the remaining step in `LAST_PARTS`. `lost`: function from
     values ``(k, n)``, a column for each case, to whether they are lost. `low`, `high`: positive
-    bounds of the values, ``(n,)``.
+    bounds of the values, ``(n,)``. Steps are relative, so that the scan is of logarithms: 0 is
+    `low`, and `span` is `high`.
     """
     span, fine = np.log(np.maximum(high / low, 1.0)), np.log1p(FINE)
     count = max(int(np.ceil(span.max(initial=0.0) / STRIDE)), 1)
@@ -151,17 +156,19 @@ def _highest_losses(
 ) -> tuple[FloatArray, list[float]]:
     """Return the highest lost value of each column, ``(n,)``, minus infinity without a loss.
 
-    The second result is the end of the scan of each level, in the first column. `lost`: function
-    from values ``(k, n)`` to whether they are lost. `scan`: values of the first scan, rising, ``(k,
-    n)`` or ``(k, 1)``. `levels`: for each refinement its step, the number of steps above a loss
-    that must survive, and the stride of the steps that the previous level has tried.
+    The second result is the end of the scan of each level, in the first column. A refinement counts
+    its steps from the highest loss so far; whenever a further one is lost, as many steps above that
+    one must survive. `lost`: function from values ``(k, n)`` to whether they are lost. `scan`:
+    values of the first scan, rising, ``(k, n)`` or ``(k, 1)``. `levels`: for each refinement its
+    step, the number of steps above a loss that must survive, and the stride of the steps that the
+    previous level has tried.
     """
     highest, ends = np.where(lost(scan), scan, -np.inf).max(axis=0), []
     for step, clear, stride in levels:
         start, first, last = np.maximum(highest, scan[0]), 1, clear
         while first <= last:
             steps = np.arange(first, last + 1)
-            steps = steps[(steps % stride != 0) | (stride == 1)]
+            steps = steps[(steps % stride != 0) | (stride == 1)]  # others were tried before
             values = start + step * steps[:, np.newaxis]
             diverged = lost(values)
             highest = np.maximum(highest, np.where(diverged, values, -np.inf).max(axis=0))
@@ -179,8 +186,9 @@ def status_in_all_winds(
 ) -> Words:
     """Return the status of many flights over all winds: the first other than survived, ``(size,)``.
 
-    `winds`: winds in their order. `status`: function from a wind and a mask of flights to the
-    status of these flights in it. `size`: number of flights. `flown`: called after each wind.
+    A flight that does not survive a wind is not flown in the later ones. `winds`: winds in their
+    order. `status`: function from a wind and a mask of flights to the status of these flights in
+    it. `size`: number of flights. `flown`: called after each wind.
     """
     outcomes = np.full(size, SURVIVED, dtype=object)
     for wind in winds:
@@ -192,7 +200,7 @@ def status_in_all_winds(
 
 
 def winds_with_stops(wind: History, cuts: int, length: float) -> list[History]:
-    """Return a wind, and `cuts` copies of it that stop suddenly, at equidistant times.
+    """Return a wind, and `cuts` copies of it that stop suddenly, at equidistant times within it.
 
     `length`: sample period [s]. `InputError` for cuts that are not a whole number up to 1000, or
     too many samples.
@@ -346,12 +354,12 @@ def closed_loop_boundary(
     delays = float(
         check_delays(errors.number("delay", delay, errors.nonnegative, "s"), np.asarray(length))
     )
-    scale = abs(float(plant.coefficients.B) * float(wind.peak))
+    scale = abs(float(plant.coefficients.B) * float(wind.peak))  # the largest trim deflection [rad]
     check_fastest_pole(plant, length)
     winds = winds_with_stops(wind, cuts, length)
     nozzle: dict[str, Any] = {"rate_limit": max_rate, "actuator": actuator, "gain": factor}
     outcomes = partial(fly_many, plant, law, sample_rate=1.0 / length, delay=delays, **nozzle)
-    flown, total = count(1), (1 + LEVELS) * len(winds)
+    flown, total = count(1), (1 + LEVELS) * len(winds)  # a scan and its refinements fly each wind
 
     def tell() -> None:
         """Report a further wind to the function `progress`, if there is one."""
@@ -370,6 +378,7 @@ def closed_loop_boundary(
 
     with repeated(total):
         scan = limit_above_losses(status_at, np.linspace(low, high, STEPS + 1))
+    # The loop in its linear range, at that limit, on which some laws depend
     at = scan.limit if np.isfinite(scan.limit) else high
     hardware = Hardware(length, delays, actuator, max_rate)
     batch = one_flight(plant, law, wind, at * scale, hardware, factor)
@@ -390,7 +399,7 @@ def closed_loop_boundary(
 
 
 def _instability(worst: complex, fastest: float) -> str:
-    """Return the sentence on an unstable pole; with a low frequency it counts as real.
+    """Return the sentence on an unstable pole; below a tenth of `fastest` it counts as real.
 
     `worst`: the dominant pole of the loop [1/s]. `fastest`: fastest unstable pole of the plant
     [1/s].
