@@ -54,8 +54,8 @@ class StableRange:
     def line(self, key: str = "edge", within: float = np.inf) -> Line:
         """Return the sentence that the loop is unstable at these factors; () if it names none.
 
-        It names factors that differ from one by at most `within`. `key`: first part of the keys of
-        the numbers.
+        It names factors that differ from one by at most `within`, and so none that is NaN: there
+        the loop is stable. `key`: first part of the keys of the numbers.
         """
         bounds = {"lower": self.lower, "upper": self.upper}
         shown = [
@@ -102,7 +102,7 @@ class Detuned:
 
     @property
     def verdict(self) -> str:
-        """MET, or NOT MET with the number of changes that fail the criteria and the first few."""
+        """MET, or NOT MET with the number of changes that fail the criteria and the first three."""
         failed = [name for name, good in zip(self.changes, self.satisfied, strict=True) if not good]
         if not failed:
             return "MET"
@@ -306,7 +306,10 @@ def structure_with_mode_factors(
 
 
 def _tank(tank: SloshTank, frequency: FloatArray, damping: FloatArray) -> SloshTank:
-    """Return a tank with factors on `frequency` and `damping`; a pendulum changes its length."""
+    """Return a tank with factors on `frequency` and `damping`; a pendulum changes its length.
+
+    A tank without a frequency is a pendulum, whose frequency is sqrt(acceleration/length).
+    """
     changes: dict[str, Any] = {"damping": tank.damping * damping}
     if tank.frequency is None:
         changes["pendulum_length"] = np.asarray(tank.pendulum_length) / frequency**2
@@ -320,8 +323,9 @@ def _critical_margins(
 ) -> tuple[str, ...]:
     """Return the name of the margin with the smallest relative surplus in each of `count` rows.
 
-    `margins`: margins that `criteria` judge. `loops`: margins of the whole loops, ``(count,)``; a
-    row whose loop is not stable is "unstable".
+    The surplus is the distance of a margin from its limit, here over the limit. `margins`: margins
+    that `criteria` judge. `loops`: margins of the whole loops, ``(count,)``; a row whose loop is
+    not stable is "unstable".
     """
     judged = criteria.judge(margins)
     limits = [max(j.criterion.limit, np.finfo(float).tiny) for j in judged]
@@ -344,8 +348,8 @@ def stable_ranges(
     """Return the stable range of each mode's frequency factor, by refinement on the poles.
 
     `autopilot`, `plant`: one each. `low`, `high`: smallest and largest factor. `intervals`: number
-    of intervals on each side of one, the smallest width of a range of factors with an unstable loop
-    that is certain to count.
+    of intervals on each side of one; a range of factors with an unstable loop that is narrower than
+    an interval may be missed. Each of four refinements parts the interval of the change by 16.
     """
     names, _ = named_modes(plant)
     count = len(names)

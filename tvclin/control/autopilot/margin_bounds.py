@@ -130,13 +130,14 @@ def margin_bounds(
     nozzle_delay = 0.0
     if actuator is not None:
         single("actuator", actuator.batch)
+        # A first-order lag has the equivalent delay 1/omega_n, as if its damping were 0.5.
         damping = 0.5 if actuator.damping is None else float(actuator.damping)
         nozzle_delay = 2.0 * damping / float(actuator.natural_frequency)
     poles = np.nan_to_num(plant.poles)
     pole = float(np.real(poles).max(initial=0.0))
     if pole <= _MIN_GROWTH_OVER_POLE * np.abs(poles).max(initial=0.0):
         raise InputError("margins are bounded by unstable poles only, and this plant has none")
-    M = float(np.exp(min(pole * time, 700.0)))
+    M = float(np.exp(min(pole * time, 700.0)))  # e^700: without overflow
     lag = pole * (time + nozzle_delay)
     root = float(np.sqrt(min(lag, 1.0)))
     stiffness = float(plant.coefficients.B) / root if root else np.inf

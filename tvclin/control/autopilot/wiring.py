@@ -137,6 +137,7 @@ def exact_loop(autopilot: Feedback, plant: AnyPlant) -> Loop:
     """
     if isinstance(plant, Plant) and plant.is_rigid and autopilot.controller is None:
         return rational_loop(autopilot, plant)
+    # The loop's output is the returned command, and L is minus that.
     loop = open_loop(autopilot, plant).select((COMMAND,), (RETURNED,))
     return Loop.from_matrices(loop.A, loop.B, 0.0 - loop.C, 0.0 - loop.D, autopilot.delay)
 
@@ -146,8 +147,10 @@ def autopilot_blocks(
 ) -> list[LinearSystem]:
     """Return the blocks of an autopilot, from the sensors and the attitude command to the command.
 
-    They are to be connected by signal name. `plant`: its names of sensed attitude and rate are
-    inputs. `period` [s]: with it the blocks are difference equations.
+    They are to be connected by signal name: filters of the sensors, the law (gains a0, a1, b0, an
+    integral of the attitude error, gains on drift and acceleration, or a controller in state
+    space), and filters of the command. `plant`: its names of sensed attitude and rate are inputs.
+    `period` [s]: with it the blocks are difference equations.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
     if autopilot.controller is not None:
@@ -193,14 +196,21 @@ def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
 
 
 def controller_system(controller: LinearSystem) -> LinearSystem:
-    """Return a controller whose inputs have the names of a law's, `LAW_INPUTS`."""
+    """Return a `controller` whose inputs have the names of a law's, `LAW_INPUTS`.
+
+    Attitude and its rate become the attitude error and the rate behind their filters.
+    """
     names = {"attitude": ATTITUDE_ERROR, "attitude_rate": FILTERED_RATE} | SENSOR_OF
     states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
     return replace(controller.renamed(names), outputs=(CONTROLLER,), states=states)
 
 
 def measured_outputs(autopilot: Feedback, plant: AnyPlant) -> tuple[str, ...]:
-    """Return the names of the outputs of plant, sensors and actuator that an autopilot reads."""
+    """Return the names of the outputs of plant, sensors and actuator that an autopilot reads.
+
+    The attitude command, which is none of these, is left out. `InputError` for an input of its
+    controller that neither `plant` nor sensors give.
+    """
     if autopilot.controller is None:
         return (*plant.sensed, "angle_of_attack", *autopilot.lateral_sensors.signals)
     check_controller(autopilot.controller, plant)
@@ -226,7 +236,10 @@ def in_steps(system: LinearSystem, period: FloatArray) -> LinearSystem:
 
 
 def attitude_integral(present: bool) -> LinearSystem:
-    """Return the integrator of a law's attitude error; without states if not `present`."""
+    """Return the integrator of a law's attitude error; without states if not `present`.
+
+    Its inputs are all of `LAW_INPUTS`, of which it integrates the first, the attitude error.
+    """
     n, name, inputs = int(present), (INTEGRAL,) if present else (), len(LAW_INPUTS)
     matrices = np.zeros((n, n)), np.eye(n, inputs), np.eye(n), np.zeros((n, inputs))
     return LinearSystem(*matrices, LAW_INPUTS, name, name)
@@ -245,6 +258,7 @@ def law_blocks(
     filters. `period` [s]: with it all blocks are difference equations: filters by the bilinear
     rule, each exact at its own frequency, the law's states with a zero-order hold on their inputs.
     """
+    # Signals ahead of and behind the filters of attitude, rate and command.
     ends = ((sensed[0], ATTITUDE_ERROR), (sensed[1], FILTERED_RATE), (LAW_OUTPUT, RETURNED))
     blocks = [states if period is None else in_steps(states, period)] if states.outputs else []
     for name, (source, target) in zip(CHAINS, ends, strict=True):
@@ -310,7 +324,7 @@ def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
     """Return the numerator ``(..., n)`` from wind to deflection of the open loop.
 
     `autopilot`, `plant`: gains and a rigid plant. Denominator and delay are the same as in
-    `rational_loop`.
+    `rational_loop`, the loop from the command.
     """
     return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _actuator(autopilot)[0])
 
@@ -318,9 +332,10 @@ def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
 def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArray, int]:
     """Return the numerator ``(..., n)`` from a plant input to the command, and the integrators.
 
-    `source`: the input, "deflection" or "wind". The number of integrators is zero or one. The
-    denominator is the plant's, times s with an integrator of attitude or drift, times those of all
-    filters of the autopilot and of its accelerometer.
+    Coefficients have the highest power of s first. `source`: the input, "deflection" or "wind". The
+    number of integrators is zero or one. The denominator is the plant's, times s with an integrator
+    of attitude or drift, times those of all filters of the autopilot and of its accelerometer. Of
+    the gains a0 is on attitude, a1 on its rate, b0 on the angle of attack and aI on the integral.
     """
     sensors = autopilot.lateral_sensors
     integrators = int(sensors.drift or np.any(np.asarray(autopilot.integral_gain)))
@@ -357,9 +372,10 @@ def _with_lateral(
 ) -> FloatArray:
     """Return a numerator of `_feedback` with an autopilot's feedback of drift and acceleration.
 
-    `plant`: rigid. `source`: its input, "deflection" or "wind". `integrators`: power of s in the
-    denominator. `numerator`: of the other feedback, ``(..., n)``. `below`: denominator of the
-    filters of attitude and rate.
+    Gains: d1 on the drift rate z', d0 on the drift z, g on the acceleration n. `plant`: rigid.
+    `source`: its input, "deflection" or "wind". `integrators`: power of s in the denominator.
+    `numerator`: of the other feedback, ``(..., n)``. `below`: denominator of the filters of
+    attitude and rate.
     """
     sensors, station = autopilot.lateral_sensors, autopilot.acceleration_station
     if sensors.drift_rate or sensors.drift:
@@ -386,7 +402,11 @@ def _accelerometer(autopilot: Feedback) -> FloatArray:
 
 
 def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of an autopilot's chain of filters, `name` of `CHAINS`."""
+    """Return numerator and denominator of an autopilot's filters in series, products of theirs.
+
+    `name`: of the attribute with these filters, one of `CHAINS`: those of the sensed attitude, of
+    the sensed rate, or of the command. Coefficients have the highest power of s first.
+    """
     above, below = np.ones(1), np.ones(1)
     for filter_ in getattr(autopilot, name):
         above = polynomials.multiply(above, filter_.numerator)
@@ -398,8 +418,8 @@ def _actuator(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:
     """Return numerator and denominator of an autopilot's actuator; ones without an actuator."""
     if autopilot.actuator is None:
         return np.ones(1), np.ones(1)
-    below = autopilot.actuator.denominator
-    return below[..., -1:], below
+    denominator = autopilot.actuator.denominator
+    return denominator[..., -1:], denominator  # a numerator of its last coefficient: unit gain
 
 
 _RELATIVE_PERIOD = 1e-9
@@ -438,7 +458,8 @@ def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem
 def loop_in_steps(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
     """Return the open loop of an autopilot with a sample rate, from a command to the next.
 
-    `plant`: one plant or a batch. Same exceptions as `sampled_loop`.
+    `autopilot`: with a sample rate; its delay is exact. `plant`: one plant or a batch. Same
+    exceptions as `sampled_loop`.
     """
     vehicle, law = _vehicle_and_law(autopilot, plant)
     return vehicle.to_steps(1.0 / np.asarray(autopilot.sample_rate), autopilot.delay).series(law)

@@ -90,7 +90,11 @@ class AccelerometerLaw(LinearLaw):
 
     @property
     def sensitivities(self) -> tuple[float, float, float]:
-        """Sensitivities of the acceleration: n_alpha, n_delta [m/s2/rad], and -x d [m/s]."""
+        """Sensitivities of the acceleration: n_alpha, n_delta [m/s2/rad], and -x d [m/s].
+
+        To angle of attack, deflection and attitude rate, at the station x [m] ahead of the centre
+        of gravity; d is the damping [1/s] of the attitude rate.
+        """
         v, x = self.vehicle, self.station
         c = Coefficients.from_vehicle(v, self.plane)
         alpha = v.normal_force_slope / v.mass + x * c.mu_alpha
@@ -99,7 +103,11 @@ class AccelerometerLaw(LinearLaw):
 
     @property
     def gain(self) -> float:
-        """Gain g on the acceleration [rad s2/m]."""
+        """Gain g on the acceleration [rad s2/m], so that the law has the autopilot's b0 on alpha.
+
+        g = b0/(n_alpha + b0 n_delta), as g (n_alpha alpha + n_delta delta) = b0 alpha at delta =
+        b0 alpha.
+        """
         alpha, deflection, _ = self.sensitivities
         b0 = float(self.autopilot.alpha_gain)
         return b0 / (alpha + b0 * deflection)
@@ -121,7 +129,11 @@ class AccelerometerLaw(LinearLaw):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Gains on attitude, its rate and the acceleration, which is the law's first state."""
+        """Gains on attitude, its rate and the acceleration, which is the law's first state.
+
+        With them the loop of an ideal nozzle has the autopilot's a0 and a1: the deflection that the
+        acceleration measures too is taken out by the factor 1 - g n_delta.
+        """
         _, deflection, rate = self.sensitivities
         factor = 1.0 - self.gain * deflection
         return LawNumbers(

@@ -87,7 +87,7 @@ class SystemLaw(_AutopilotLaw):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of s' = F s + G m of a continuous controller, m being the measurements.
+        """F and G of s' = F s + G m of a continuous controller, m being the eight measurements.
 
         `InputError` for a sampled controller.
         """
@@ -113,7 +113,8 @@ class SystemLaw(_AutopilotLaw):
         system = self.autopilot.system
         values = [measured[_MEASURED.index(name)] for name in system.inputs]
         terms = [*zip(system.C[0], states, strict=True), *zip(system.D[0], values, strict=True)]
-        return sum((gain * value for gain, value in terms if gain), 0.0 * measured[0])
+        # Starts from a zero of the shape of the flights.
+        return sum((gain * value for gain, value in terms if gain), 0.0 * measured.attitude)
 
     @property
     def _selection(self) -> FloatArray:

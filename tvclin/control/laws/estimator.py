@@ -69,7 +69,7 @@ class WindEstimator(Record):
         errors.single("plant", plant.batch)
         c, w = plant.coefficients, self.bandwidth
         mu_alpha = float(errors.nonzero("mu_alpha", c.mu_alpha, "1/s^2"))
-        gains = np.array([2.0 * _OBSERVER_DAMPING * w, -(w**2) / mu_alpha])
+        gains = np.array([2.0 * _OBSERVER_DAMPING * w, -(w**2) / mu_alpha])  # on q - q^
         F = np.array([[-gains[0], -mu_alpha], [-gains[1], 0.0]])
         G = np.zeros((2, 5))
         G[0, 0], G[0, 4] = mu_alpha, -float(c.mu_delta)
@@ -132,7 +132,9 @@ class EstimatedLaw(Law):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F and G of s' = F s + G m, the estimator's states before the law's; m: measurements.
 
-        The law receives the estimates in place of the measurements.
+        The law receives the estimates q^ of the attitude rate and d^ of gamma + alpha_w in place of
+        the measurements. Columns of G: attitude theta, its rate, path angle, angle of attack alpha,
+        deflection.
         """
         (F, G), (F_law, G_law) = self.estimator.states(self.plant), self.law.states
         direct = G_law.copy()

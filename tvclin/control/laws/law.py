@@ -38,6 +38,8 @@ _MEASURED_STATES = 3
 def law_rate_limit(name: str, value: ArrayLike, unit: str = "rad/s") -> float:
     """Return the rate limit [rad/s] of a law: infinite, or from 1e-15, practically zero, to 1e9.
 
+    Exactly zero would divide by it.
+
     `InputError` for another `value`, with `name` and `unit` of the argument.
     """
     return unlimited(name, value, between(1e-15, 1e9), unit)
@@ -172,7 +174,8 @@ def measured_coordinates(plant: Plant) -> UnstableCoordinates:
 def rate_limit_angle(plant: Plant, rate_limit: float) -> float:
     """Return the wind angle r/(p |B|) [rad] of a rate limit r [rad/s].
 
-    p is the fastest unstable pole [1/s] of the plant, and B its trim deflection per wind angle.
+    It is the wind angle whose trim deflection the nozzle turns by at the rate r in the time 1/p. p
+    is the fastest unstable pole [1/s] of the plant, and B its trim deflection per wind angle.
     """
     pole = float(measured_coordinates(plant).poles[0])
     return rate_limit / (pole * abs(float(plant.coefficients.B)))
@@ -315,6 +318,10 @@ class LawInPlanes:
 
     def demand(self, measured: Vectors, states: Vectors, limit: FloatArray) -> Vectors:
         """Return the demanded deflections [rad], before the limit, pitch + j yaw, ``(m,)``.
+
+        With a radial limit the scalar law acts along the measured wind and across it, each with the
+        limit of the shape in that direction; else in pitch and in yaw. Of the measurements 0 is the
+        attitude theta, 2 the flight path angle gamma and 3 the angle of attack alpha.
 
         `measured`: measurements of both planes in the order of `Measurement`, complex ``(m, 8)``.
         `states`: states of the law, complex ``(m, k)``. `limit`: scale [rad] of the limit shape,

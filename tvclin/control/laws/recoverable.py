@@ -103,7 +103,10 @@ class RecoverableAttitudeLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of s' = F s + G m, s the estimator's states; no states without an estimator."""
+        """F and G of s' = F s + G m, s the estimator's states; no states without an estimator.
+
+        m: measurements, the first five of `LAW_INPUTS`.
+        """
         return super().states if self.estimator is None else self.estimator.states(self.plant)
 
     @property
@@ -114,10 +117,15 @@ class RecoverableAttitudeLaw(Law):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Parameters for compiled flights: rows of both coordinates, and numbers of the lean."""
+        """Parameters for compiled flights: rows of both coordinates, and numbers of the lean.
+
+        The coordinates [rad] of the fast and, with drift, of the slow unstable mode are sums of
+        attitude, its rate and flight path angle; a row has these three factors.
+        """
         modes = measured_coordinates(self.plant)
+        # A row of two on a fixed path has a zero for the flight path angle.
         fast, slow = ([*row.tolist(), 0.0][:3] for row in modes.left_eigenvectors[[0, -1]])
-        slow = slow if modes.ratio else [0.0, 0.0, 0.0]
+        slow = slow if modes.ratio else [0.0, 0.0, 0.0]  # the ratio is zero with a single mode
         return LawNumbers(
             leans=True,
             fast_attitude=fast[0],
@@ -141,8 +149,9 @@ class RecoverableAttitudeLaw(Law):
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the demanded deflection [rad], before the limit, for each of a batch of flights.
 
-        `measured`: numbers or ``(...)``. `states`: of the estimator, ``(2, ...)``. `limit` [rad]:
-        ``(...)``.
+        `measured`: numbers or ``(...)``, of which the first four count: attitude, its rate, flight
+        path angle, angle of attack. `states`: of the estimator, ``(2, ...)``, or none. `limit`
+        [rad]: ``(...)``.
         """
         shape = np.broadcast_shapes(*(np.shape(value) for value in (*measured[:4], limit)))
         if not shape and states.ndim == 1:

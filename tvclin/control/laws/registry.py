@@ -32,7 +32,10 @@ AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
 def _feedback(
     plant: Plant, peak: float, rate_limit: float, autopilot: Autopilot | None = None
 ) -> Law:
-    """Return the law of an `autopilot` without filters, by default of a plant's canonical gains."""
+    """Return the law of an `autopilot` without filters, by default of a plant's canonical gains.
+
+    `peak` and `rate_limit` are not used; all functions of `LAWS` have them.
+    """
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
     instance("autopilot", autopilot, Autopilot, "see design_gains")
@@ -49,12 +52,19 @@ def _trim(plant: Plant, peak: float, rate_limit: float) -> Law:
 
 
 def _dead_band(plant: Plant, peak: float, rate_limit: float, dead_band: float = 0.5) -> Law:
-    """Return the report's control with `dead_band` K on a fixed path, for any peak and rate."""
+    """Return the report's control with `dead_band` K on a fixed path.
+
+    Trim inside K times the limit, then the full limit. `peak` and `rate_limit` are not used; all
+    functions of `LAWS` have them.
+    """
     return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
 
 
 def _half_relief(plant: Plant, peak: float, rate_limit: float) -> Law:
-    """Return the law of a plant's half-relief gains, for any peak and rate limit."""
+    """Return the law of a plant's half-relief gains.
+
+    `peak` and `rate_limit` are not used; all functions of `LAWS` have them.
+    """
     return SaturatedLaw(half_relief_gains(plant.coefficients))
 
 
@@ -124,7 +134,8 @@ def design_law(
 def linear_gains(law: Law) -> dict[str, float] | None:
     """Return the gains on attitude, attitude rate and angle of attack of a law, by name.
 
-    None for a law that is not linear within the deflection limit.
+    None for other laws than trim and the gains of an autopilot, which are linear within the
+    deflection limit; trim is designed on a fixed path, without a gain on the flight path angle.
     """
     if type(law) not in (TrimLaw, SaturatedLaw):
         return None

@@ -80,10 +80,13 @@ class Terms:
     def owner(self, omega: FloatArray, values: AnyArray | None = None) -> IndexArray:
         """Return the index of the largest term of k loops at m frequencies ``(k, m)``; -1 if rigid.
 
+        A mode's term is r/(s - p) + conj(r)/(s - conj(p)) of its pole p and residue r at s = j nu;
+        the rigid body's is the rest of L without its delay.
+
         `omega`: frequencies [rad/s], ``(k, m)``. `values`: L at these frequencies, if known.
         """
         values = self.values(omega) if values is None else values
-        nu = np.imag(self.loop.s_to_w(1j * omega))
+        nu = np.imag(self.loop.s_to_w(1j * omega))  # frequency of the w plane if sampled
         s = 1j * nu[:, np.newaxis]
         p, r = self.poles[..., np.newaxis], self.residues[..., np.newaxis]
         with np.errstate(all="ignore"):
@@ -94,7 +97,10 @@ class Terms:
         return np.argmax(np.nan_to_num(sizes, nan=-1.0, posinf=np.inf), axis=1) - 1
 
     def values(self, omega: FloatArray) -> AnyArray:
-        """Return L of k loops at frequencies `omega` [rad/s], both ``(k, m)``."""
+        """Return L of k loops at frequencies `omega` [rad/s], both ``(k, m)``; infinite at a pole.
+
+        `form` has numerator and denominator of L in its own variable: s, or w if sampled.
+        """
         above, below = self.form.parts(np.imag(self.loop.s_to_w(1j * omega)))
         with np.errstate(all="ignore"):
             return above / below
@@ -103,9 +109,11 @@ class Terms:
 def _frequencies(terms: Terms, k: int) -> FloatArray:
     """Return rising search frequencies [rad/s] around a mode (or its alias), ``(loops, m)``.
 
+    Close together within 40 half-widths of its resonance, and from 1/20 to 20 of its frequency.
     `terms`: partial fractions of the loops. `k`: index of the mode.
     """
     pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])
+    # Half-width of the resonance; a mode without damping would have none.
     width = np.maximum(np.abs(pole.real), 1e-6 * np.abs(pole))
     resonance = pole.imag + width * _OFFSETS
     low, high = 0.05 * pole.imag, 20.0 * pole.imag
@@ -184,6 +192,7 @@ def closed_mode_poles(terms: Terms) -> AnyArray:
     p = terms.poles
     s = p * (1.0 - _START_OFFSET)
     with np.errstate(all="ignore"):
+        # Two rounds more at the gain of one, for convergence.
         for gain in [*np.linspace(0.0, 1.0, _GAIN_STEPS + 1)[1:], 1.0, 1.0]:
             for _ in range(_NEWTON_STEPS):
                 value, slope = gain * terms.form.value(s), gain * terms.form.slope(s)
@@ -359,6 +368,7 @@ def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
 
     `terms`: partial fractions of the loops. `analysis`: their crossings.
     """
+    # Aero margin, gain increase and phase margin with their frequencies; -1 is the rigid body.
     pairs = classical_margins(_owned(terms, analysis, -1))[:3]
     pairs[..., ~analysis.stable] = np.nan
     names = (field.name for field in fields(RigidBand))
@@ -375,7 +385,8 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     """Return the fields of `ModeBand` of k loops by name, except the mode's own name, ``(k,)``.
 
     `terms`: partial fractions of the loops. `analysis`: their crossings. `k`: index of the mode.
-    `closed`: its closed-loop pole, ``(k,)``.
+    `closed`: its closed-loop pole, ``(k,)``. A mode owns the frequencies at which its partial
+    fraction is the largest term of L. `ModeBand` tells what its kinds of stabilisation are.
     """
     pole = terms.plant[:, k]
     owned = _owned(terms, analysis, k)
@@ -406,7 +417,8 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
 def _owned(terms: Terms, analysis: LoopAnalysis, k: int) -> LoopAnalysis:
     """Return the analysis with NaN for all crossings that the k-th mode does not own; rigid: -1.
 
-    `terms`: partial fractions of the loops.
+    A mode owns a frequency at which its partial fraction is the largest term of L. `terms`: partial
+    fractions of the loops. `analysis`: all crossings of the loops.
     """
 
     def select(omega: FloatArray, values: FloatArray) -> FloatArray:

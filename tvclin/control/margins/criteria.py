@@ -263,7 +263,11 @@ class Criteria:
 
 
 def _judge(criterion: Criterion, margins: Margins) -> Judgement:
-    """Return the judgement by `criterion` of a margin of the whole loop."""
+    """Return the judgement by `criterion` of a margin of the whole loop.
+
+    `margins`: of one loop or a batch; the criterion names the attribute. NaN, of an unstable loop,
+    does not satisfy it.
+    """
     value = np.asarray(getattr(margins, criterion.margin), dtype=float)
     surplus = value - criterion.limit
     surplus = -surplus if criterion.is_upper_limit else surplus

@@ -207,7 +207,7 @@ class Loop:
 
     def _rightmost(self, k: int) -> ComplexArray:
         """Return the rightmost closed-loop poles [1/s] of the k-th loop of the flattened batch."""
-        form = self.form.take(np.array([k]))
+        form = self.form.take(np.array([k]))  # a batch of this one loop
         delay = float(form.delay[0])
         if delay:
             return rightmost_poles(*_matrices(form), delay, lambda s: form.value(s[np.newaxis])[0])
@@ -267,7 +267,11 @@ class Loop:
         return loop
 
     def _values(self, omega: FloatArray) -> ComplexArray:
-        """Return L ``(k, m)`` at `omega` ``(k, m)``, imaginary part of the variable of `form`."""
+        """Return L ``(k, m)`` of k loops at `omega` ``(k, m)``; infinite at a pole.
+
+        `omega`: imaginary part of the variable of `form`: frequencies [rad/s] of a continuous loop,
+        those of the w plane of a sampled one.
+        """
         above, below = self.form.parts(omega)
         pole = (below == 0.0) & (above != 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -298,9 +302,12 @@ def _flat(array: FloatArray, batch: tuple[int, ...], axes: int) -> FloatArray:
 
 
 def _matrices(form: AnyLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return A, B and C of the first loop of a batch; of polynomials the companion form."""
+    """Return A ``(n, n)``, B ``(n,)`` and C ``(n,)`` of the first loop of a batch.
+
+    Of polynomials the companion form.
+    """
     if isinstance(form, StateLoop):
-        k = form.case[0]
+        k = form.case[0]  # a case is the index of a loop's matrices, which several may share
         return form.A[k], form.B[k], form.C[k]
     below, above = form.denominator[0], form.numerator[0]
     A = np.eye(below.size - 1, k=-1)
@@ -407,7 +414,8 @@ class SampledLoop(Loop):
         `omega` [rad/s], `phases` [rad]: gain crossovers and phase margins of k loops, ``(k, n)``.
         `stable`: whether each is stable, ``(k,)``. A delay other than a whole number of samples
         changes |L| as well. Newton's iteration solves ln L(omega, T) = ln(-1) for frequency and
-        delay; a whole sample is a factor of 1/z.
+        delay; a whole sample is a factor of 1/z. Where the motion between samples is not known,
+        `delayed_form` is None, and a margin is the phase over the frequency.
         """
         margins = phases % (2.0 * np.pi) / omega
         delayed_form = self.delayed_form
@@ -425,7 +433,7 @@ class SampledLoop(Loop):
             rate = 1j * slope / L * (1.0 + (0.5 * nu * h) ** 2)  # d ln L/d omega
             max_step = _MAX_STEP_OVER_FREQUENCY * w
             step = np.clip(-np.log(np.abs(L)) / rate.real, -max_step, max_step)
-            w = np.minimum(w + step, np.pi / h)
+            w = np.minimum(w + step, np.pi / h)  # half the sample rate
             phase = np.angle(-L) + rate.imag * step - samples * h * w
             phase -= 2.0 * np.pi * np.round(phase / (2.0 * np.pi))
             margin = np.maximum(margin + phase / w, 0.0)
@@ -448,7 +456,8 @@ class SampledLoop(Loop):
     def _is_unstable(self, case: int, delays: FloatArray) -> BoolArray:
         """Return whether a loop is unstable with further delays [s], ``(m,)``.
 
-        `case`: index of the loop in the flattened batch.
+        It is with a pole z outside the unit circle. `case`: index of the loop in the flattened
+        batch.
         """
         assert self.delayed_closed_poles is not None
         loop_delay = self.loop_delay.ravel()[case]
@@ -498,7 +507,7 @@ class SampledLoop(Loop):
         return np.where(omega > 0.5 * rate, folded, np.nan)
 
     def _z(self, w: AnyArray) -> AnyArray:
-        """Return z = (1 + w h/2)/(1 - w h/2) ``(k, m)``."""
+        """Return z = (1 + w h/2)/(1 - w h/2) of `w` ``(k, m)`` [1/s], h being the sample period."""
         half = 0.5 * self.period.reshape(-1, 1)
         return (1.0 + w * half) / (1.0 - w * half)
 

@@ -272,7 +272,8 @@ def loop_margins(loop: Loop) -> Margins:
 def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
     """Return the margins of k loops in the shape of their batch, ``batch`` of k entries.
 
-    `analysis`: crossings and peaks of the flattened batch of loops.
+    `analysis`: crossings and peaks of the flattened batch of loops; of its `peaks` those of S =
+    1/(1 + L), T = L/(1 + L) and (S - T)/2 are 0, 1 and 2, with their frequencies.
     """
     unstable, stable = analysis.unstable_poles > 0, analysis.stable
     status = np.select([unstable, analysis.marginal], [UNSTABLE, MARGINAL], OK)
