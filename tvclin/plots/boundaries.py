@@ -78,7 +78,8 @@ def boundary_chart(
     Parameters
     ----------
     tau_beta : array_like, optional
-        Abscissas, ``(n,)``, positive; 0.05 to 20 where not given. With damping tau times the pole.
+        Abscissas, ``(n,)``, positive; 0.05 to 20 where not given: duration tau [s] of the wind
+        times beta [1/s], the unstable pole on a fixed path. With damping tau times the pole.
     dead_bands : sequence of float
         K of the curves for triangular winds.
     coefficients : Coefficients, optional
@@ -188,7 +189,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
     curves = _study_curves(study, x)
     axes = new_axes()
     lines: list[Any] = []
-    curves_per_model = len(curves.columns) // len(study.boundaries)
+    curves_per_model = len(curves.columns) // len(study.boundaries)  # one for each dead band
     for index, column in enumerate(curves.columns):
         model, row = divmod(index, curves_per_model)
         look: Style = {"color": cycle(COLOURS)[row], "marker": cycle(MARKS)[row], "ms": 4.5}
@@ -217,7 +218,11 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
 
 
 def _study_curves(study: Study, durations: FloatArray) -> Curves:
-    """Return the boundary over durations [s] for the models and dead bands of a study."""
+    """Return the boundary [deg] over durations [s] for the models and dead bands of a study.
+
+    The columns are in the order of the models, for each those of its dead bands K, falling: 1, 0.5,
+    0 and that of the study.
+    """
     wind = study.wind_in_plane.history({"wind_duration": durations[:, np.newaxis]})
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))
     columns = []
@@ -247,7 +252,8 @@ def _draw_boundaries(
 
     `name`: name of its numbers. `title`: title. `tau_beta`: abscissas, positive; None for the usual
     ones. `dead_bands`: K, a curve each. `coefficients`: those of a vehicle with drift; None on a
-    fixed path.
+    fixed path. K1 is the fraction of the wind that counts with drift, eq (15b); b1 and b2 [1/s] are
+    the zeros from deflection and from wind to attitude, eq (B7).
     """
     x, c = _abscissas(tau_beta), coefficients
     dead_bands = _fractions(dead_bands)
@@ -275,7 +281,10 @@ def _draw_boundaries(
 
 
 def drift_words(c: Coefficients) -> str:
-    """Return the numbers of a vehicle that enter eq (18), as text; `c`: its coefficients."""
+    """Return the numbers of a vehicle that enter eq (18), as text; `c`: its coefficients.
+
+    They are the unstable pole, and b1 and b2, zeros from deflection and from wind to attitude.
+    """
     return f"{c.pole_symbol} = {c.pole:.6g} 1/s, b1 = {c.b1:.6g} 1/s, b2 = {c.b2:.6g} 1/s"
 
 
@@ -303,7 +312,7 @@ def _row(values: Any) -> FloatArray:
 
 
 def _short(vehicle: Vehicle, number: int) -> str:
-    """Return the name of a vehicle without its parentheses, or its number."""
+    """Return the name of a vehicle without its parentheses, or else "vehicle" and a `number`."""
     return vehicle.name.partition(" (")[0] or f"vehicle {number}"
 
 
@@ -375,7 +384,11 @@ def flown_limit(
 
 
 def centred_wind(vehicle: Vehicle, peak: float, tau_beta: float) -> History:
-    """Return the triangular wind of a given tau p that has its peak at the vehicle's time."""
+    """Return the triangular wind of a given tau p that has its peak at the vehicle's time.
+
+    `peak`: its peak [rad]. `tau_beta`: tau p, its duration times the unstable pole p [1/s]. The
+    peak of a vehicle without a flight time is at zero.
+    """
     wind = TriangularWind(peak=peak, duration=tau_beta / Coefficients.from_vehicle(vehicle).pole)
     peak_time = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     return wind.shift(peak_time - wind.duration / 2.0)
@@ -390,6 +403,7 @@ ALONG = {
 """Plane and peak [rad] of the winds that are flown with varying parameters."""
 _EQUATION_12, _EQUATION_18 = "without drift, eq (12)", "with drift, eq (18)"
 _CURVES = np.linspace(0.05, 20.0, 400)
+"""Durations tau beta at which the equations are drawn."""
 
 
 def figure_10(
@@ -498,7 +512,8 @@ def _panel(
 
     `panel`: heading. `name`: name of the vehicle. `K`: the dead band. `x`: durations tau beta,
     ``(n,)``. `durations`: those of flights with a frozen vehicle, and along the flight. `engine`:
-    name of the engine of flights.
+    name of the engine of flights. Flights have values at their durations alone, NaN elsewhere; the
+    planar engine also flies a frozen vehicle at the durations along the flight.
     """
     c = Coefficients.from_vehicle(load_vehicle(name))
     limits_of = {

@@ -142,10 +142,11 @@ def _step_curves(response: Any, words: str) -> Curves:
 def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
     """Return the marks of the peak and, for a stable loop, of the final value of a curve.
 
-    `curves`: step response. `name`: output of the curve. `end`: final value, NaN for an unstable
-    loop.
+    `curves`: step response. `name`: output of the curve, and heading of its panel. `end`: final
+    value, NaN for an unstable loop; zero where it is rounding of the peak. A peak at the last time
+    is not marked.
     """
-    times, values = curves.abscissa, curves.column(name, name)
+    times, values = curves.abscissa, curves.column(label=name, panel=name)
     top = int(np.argmax(np.abs(values)))
     end = 0.0 if abs(end) < ON_AXIS * abs(values[top]) else end
     if np.isnan(end):
@@ -202,6 +203,8 @@ def _wind_curves(
     answer: WindResponse, plant: AnyPlant, wind: History, times: FloatArray, words: str
 ) -> Curves:
     """Return the curves [deg] of a response to a wind, with the deflection of trim.
+
+    Trim is -B times the peak of the wind; it is left out where the plant has no coefficients.
 
     `answer`: response to the wind. `plant`: plant with its coefficients. `times`: [s], ``(n,)``.
     `words`: description of the loop.
@@ -300,7 +303,9 @@ def _wind_horizon(
 ) -> tuple[float, float]:
     """Return start and end [s] of a figure: the wind and a settling time; if unstable, growth.
 
-    `autopilot`, `plant`: the loop, with its `margins`, which say whether it is stable.
+    `autopilot`, `plant`: the loop, with its `margins`, which say whether it is stable. A wind that
+    never ends or begins counts to its last breakpoint, and from zero. The settling time is at most
+    half the wind, or `_SHORT` over the crossover frequency.
     """
     last = float(wind.end) if np.isfinite(wind.end) else float(wind.knots[-1])
     first = min(0.0, float(wind.onset) if np.isfinite(wind.onset) else 0.0)
@@ -372,7 +377,9 @@ def _horizon(system: "control.StateSpace", longest: float) -> float:
     """Return the time [s] in which all relevant modes decay, or one of them grows.
 
     `system`: closed loop with the outputs and the input of the figure. `longest`: longest time [s]
-    for slow modes; NaN without limit.
+    for slow modes; NaN without limit. A mode is relevant by its largest residue over its pole, the
+    size of its part in a step response. The time is `_SETTLING_CONSTANTS` time constants of the
+    slowest decaying mode; an unstable mode, or else an undamped oscillation, counts instead.
     """
     poles, vectors = np.linalg.eig(system.A)
     scale = float(np.abs(poles).max()) or 1.0
@@ -381,16 +388,16 @@ def _horizon(system: "control.StateSpace", longest: float) -> float:
     sizes = sizes / np.maximum(np.abs(poles), ON_AXIS * scale)
     poles = poles[sizes >= _MIN_MODE_SIZE * sizes.max()]
     falling, growing = poles.real < -ON_AXIS * scale, poles.real > ON_AXIS * scale
-    rest = _SETTLING_CONSTANTS / -float(poles.real[falling].max()) if falling.any() else np.inf
-    turning = np.abs(poles[~falling & (poles.imag != 0.0)].imag)
-    if growing.any():
-        rest = min(_GROWTH_CONSTANTS / float(poles.real.max()), 10.0 * rest)
-    elif turning.size:
-        rest = _SHORT / float(turning.min())
-    return float(np.fmin(rest if np.isfinite(rest) else _SHORT / scale, longest))
+    time = _SETTLING_CONSTANTS / -float(poles.real[falling].max()) if falling.any() else np.inf
+    oscillating = np.abs(poles[~falling & (poles.imag != 0.0)].imag)
+    if growing.any():  # slow growth is not followed beyond ten times what decays
+        time = min(_GROWTH_CONSTANTS / float(poles.real.max()), 10.0 * time)
+    elif oscillating.size:
+        time = _SHORT / float(oscillating.min())
+    return float(np.fmin(time if np.isfinite(time) else _SHORT / scale, longest))
 
 
 def _rounded(time: float) -> float:
     """Return the time [s], rounded up to two digits."""
     unit = 10.0 ** (np.floor(np.log10(time)) - 1.0)
-    return float(np.ceil(time / unit - 1e-9) * unit)
+    return float(np.ceil(time / unit - 1e-9) * unit)  # 1e-9: a time of two digits stays

@@ -169,7 +169,8 @@ def _frame_nichols(
     """Set the limits of the axes of a Nichols chart: around margins, criteria and the loop.
 
     `samples`: the loop over frequency. `marks`: marks of its margins. `box`: region of the
-    criteria, see `_draw_box`.
+    criteria, see `_draw_box`. Levels, grid and contours of |T| are drawn too. The frame holds whole
+    boxes, ends at multiples of 30 deg and 3 dB, and shows phases from -540 to 180 deg.
     """
     up, down, half_width = box
     heights = [mark.y for mark in marks if np.isfinite(mark.y)]
@@ -217,7 +218,7 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
     """
     import matplotlib.pyplot as plt
 
-    samples = sampled("bode_chart", autopilot, plant)
+    samples = sampled("bode_chart", autopilot, plant)  # its `at`: phase [deg], magnitude [dB]
     _, axes = plt.subplots(2, 1, figsize=(8.6, 7.4), layout="constrained", sharex=True)
     drawn = samples.data().plot(
         plot_type="bode",
@@ -236,7 +237,8 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
     upper = margin_marks(samples, lambda w: (max(w, edge), samples.at(w)[1]))
     lower = margin_marks(samples, lambda w: (max(w, edge), samples.at(w)[0]))
     _draw_levels(axes, upper, lower)
-    in_phase = [*upper[2:3], *lower[2:3]]  # the phase margin: its number stands in the lower panel
+    # the third mark is that of the phase margin: its number stands in the lower panel
+    in_phase = [*upper[2:3], *lower[2:3]]
     upper += mode_marks(samples, lambda w: (w, samples.at(w)[1]))
     lower += mode_marks(samples, lambda w: (w, samples.at(w)[0]))
     axes[0].figure.suptitle(title("Bode diagram of the loop", samples))
@@ -253,7 +255,9 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
 def _frame_bode(axes: Any, samples: LoopSamples) -> float:
     """Return the left edge [rad/s] after setting the frame: a decade around all corners.
 
-    `axes`: both panels, magnitude and phase. `samples`: the loop over frequency.
+    `axes`: both panels, magnitude and phase. `samples`: the loop over frequency. The right edge is
+    nearer where the loop stays below -40 dB; half the rate of a sampled loop is drawn dotted.
+    `InputError` for a loop without a gain in the frame.
     """
     decisive = decisive_frequencies(samples.margins)
     modes = [mode_frequency(mode) for mode in samples.modes]
@@ -290,7 +294,8 @@ def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
     """Draw labels, grid, the levels 0 dB and -180 deg, and each margin as a line to its level.
 
     `axes`: both panels, magnitude and phase. `upper`, `lower`: marks of the margins in each of
-    them.
+    them, in the order aero, gain-increase and phase margin. The first two are drawn in magnitude,
+    the last in phase, to the nearest phase of L = -1.
     """
     low, high = axes[1].get_ylim()
     axes[1].set_ylim(min(low, -195.0), max(high, -165.0))
@@ -302,8 +307,8 @@ def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
         panel.axhline(level, **_LINE)
     for panel, marks in ((axes[0], upper[:2]), (axes[1], lower[2:3])):
         for mark in marks:
-            half_turns = round((mark.y + 180.0) / 360.0) if np.isfinite(mark.y) else 0
-            level = 0.0 if panel is axes[0] else 360.0 * half_turns - 180.0
+            turns = round((mark.y + 180.0) / 360.0) if np.isfinite(mark.y) else 0
+            level = 0.0 if panel is axes[0] else 360.0 * turns - 180.0
             panel.plot([mark.x] * 2, [level, mark.y], color=mark.colour, lw=2.2, zorder=3)
 
 
@@ -386,7 +391,10 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
 def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
     """Return the response along the contour, indented to the right of poles on the axis.
 
-    The contour of a sampled loop is in its variable w, at frequencies of the s plane.
+    The contour of a sampled loop is in its variable w, the bilinear image of z, at frequencies of
+    the s plane. Around a pole it is a half circle of a hundredth of the lowest frequency.
+    Encirclements of -1 are counted clockwise: the turns of 1 + L, twice those at positive
+    frequencies.
     """
     import control
 
@@ -424,7 +432,9 @@ def _encirclements_text(response: Any, samples: LoopSamples) -> str:
 def _max_magnitude(samples: LoopSamples) -> float:
     """Return the magnitude of the loop up to which a Nyquist curve is drawn to scale.
 
-    `samples`: the loop over frequency, with its margins and modes.
+    `samples`: the loop over frequency, with its margins and modes. The scale is the largest L at
+    the crossings of the real axis and at the peaks of modes, at least 2; a curve that stays within
+    four times the scale is drawn whole.
     """
     sizes = np.abs(samples.response)
     crossings = samples.margins.crossings
@@ -438,7 +448,9 @@ def _max_magnitude(samples: LoopSamples) -> float:
 def _frame_critical_point(axes: Axes, samples: LoopSamples, marks: list[Mark]) -> None:
     """Set the frame of axes around -1, with the unit circle and the disk of the disk margin.
 
-    `samples`: the loop with its margins. `marks`: marks of the margins, which the frame holds.
+    `samples`: the loop with its margins. `marks`: marks of the margins, which the frame holds. A
+    disk margin alpha is a disk through the real points -(2 + alpha)/(2 - alpha) and its inverse;
+    from alpha = 2 on it is none.
     """
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Circle
@@ -489,6 +501,8 @@ _DECADES = 6.0
 
 def spectrum_curves(covariance: LoopCovariance) -> Curves:
     """Return the curves of `spectrum_chart`: square roots of one-sided spectra per Hz.
+
+    A spectrum per rad/s times 2 pi is that per Hz.
 
     `covariance`: loop in turbulence. `InputError` for turbulence of no intensity.
     """

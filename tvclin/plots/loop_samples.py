@@ -126,7 +126,9 @@ class LoopSamples:
 def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> LoopSamples:
     """Return the samples of one loop.
 
-    `figure`: name of the figure, for messages. `autopilot`, `plant`: same as in `nichols_chart`.
+    `figure`: name of the figure, for messages. `autopilot`, `plant`: same as in `nichols_chart`. A
+    plant with modes has margins by band: of its rigid part and of each mode. `InputError` for a
+    batch, and for a loop with a plant.
     """
     if isinstance(autopilot, Loop):
         if plant is not None:
@@ -163,7 +165,9 @@ def _samples(
 
     `bands`: margins by band of a flexible vehicle, else None. `airframe`: poles of the rigid
     vehicle [1/s]. `words`: description of the loop. `order`: order of the delay's approximation in
-    a root locus.
+    a root locus. Frequencies at which L is infinite or zero are left out. The phase is unwrapped,
+    and whole turns are taken off so that it is within half a turn of -180 deg where L is nearest to
+    -1.
     """
     modes = () if bands is None else bands.modes
     omega = _frequencies(loop, margins, modes)
@@ -206,7 +210,7 @@ def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
     if isinstance(autopilot, SystemAutopilot):
         return f"{plant.name or plant.model}, {autopilot.description}"
     terms = [autopilot.gains_text]
-    filters = sum(len(getattr(autopilot, name)) for name in CHAINS)
+    filters = sum(len(getattr(autopilot, name)) for name in CHAINS)  # of attitude, rate and sum
     if filters:
         terms.append(f"{filters} filter{'s' * (filters > 1)}")
     if autopilot.actuator is not None:
@@ -244,15 +248,18 @@ def decisive_frequencies(margins: Margins) -> FloatArray:
 
 
 def mode_frequency(mode: ModeBand) -> float:
-    """Return the frequency of a mode's peak [rad/s]; without a peak of its alias or pole."""
+    """Return the frequency of a mode's peak [rad/s]; without a peak that of its alias or pole.
+
+    The alias is the frequency at which a mode above half the sample rate appears. NaN if all are.
+    """
     candidates = (mode.peak_frequency, mode.alias, abs(np.imag(mode.pole)))
     return float(next((frequency for frequency in candidates if np.isfinite(frequency)), np.nan))
 
 
 def corner_frequencies(loop: Loop) -> FloatArray:
-    """Return the rising magnitudes [rad/s] of the nonzero poles of the loop.
+    """Return the rising magnitudes [rad/s] of the nonzero poles of the loop, in the s plane.
 
-    Those of a sampled loop end at half its rate.
+    Those of a sampled loop, whose form has poles in the w plane, end at half its rate.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(loop.w_to_s(loop.form.open_poles().astype(complex))[0])
@@ -270,7 +277,9 @@ def unstable_poles(loop: Loop) -> int:
 def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> FloatArray:
     """Return frequencies [rad/s] that resolve all crossings and modes of a loop, ``(n,)``, rising.
 
-    `margins`, `modes`: margins and modes of the loop, whose frequencies are among them.
+    `margins`, `modes`: margins and modes of the loop, whose frequencies are among them. Others are
+    those of the margins' search, those around lightly damped roots, and `_PER_DECADE` in between;
+    of a sampled loop up to half its rate. A form has its roots in the w plane if it is sampled.
     """
     omega = grid_frequencies(loop.form, stability(loop.form))[0]
     omega = np.concatenate([omega, _around_light_roots(loop)])
@@ -286,7 +295,11 @@ def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> F
 
 
 def _around_light_roots(loop: Loop) -> FloatArray:
-    """Return frequencies, in the variable of the loop, around lightly damped poles and zeros."""
+    """Return frequencies, in the variable of the loop, around lightly damped poles and zeros.
+
+    They are the imaginary part of the root and `_OFFSETS` times its real part around it. The
+    variable is s, or w of a sampled loop, its bilinear image.
+    """
     poles = (loop.form.open_poles(), loop.form.closed_poles(), loop.form.zeros())
     roots = np.concatenate([root_set[0].astype(complex) for root_set in poles])
     with np.errstate(invalid="ignore"):
@@ -306,7 +319,9 @@ Places = Callable[[float], tuple[float, float]]
 def margin_marks(samples: LoopSamples, places: Places) -> list[Mark]:
     """Return the marks of the three margins of a loop; an empty list for an unstable one.
 
-    `samples`: the loop. `places`: function from a frequency [rad/s] to the place in the figure.
+    They are aero, gain-increase and phase margin. A margin without a frequency has no place, and
+    stands in the legend alone. `samples`: the loop. `places`: function from a frequency [rad/s] to
+    the place in the figure.
     """
     if not samples.margins.stable:
         return []

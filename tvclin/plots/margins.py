@@ -100,7 +100,8 @@ def _finite(values: FloatArray) -> FloatArray:
 def _lowest(judgements: list[Judgement]) -> FloatArray:
     """Return the value of the smallest surplus over modes and changes, ``(n,)``; NaN if unstable.
 
-    `judgements`: of each mode or change, values and surplus with one criterion, ``(n,)``.
+    `judgements`: of each mode or change, values and surplus with one criterion, ``(n,)``. A surplus
+    is NaN where the loop is unstable, which counts as the smallest.
     """
     values = np.concatenate([np.atleast_2d(judged.value) for judged in judgements])
     surplus = np.concatenate([np.atleast_2d(judged.surplus) for judged in judgements])
@@ -109,7 +110,9 @@ def _lowest(judgements: list[Judgement]) -> FloatArray:
 
 
 _FACTORS, _DELAY = "gain and effectiveness", "delay"
+"""Panels of the changes by a factor, and of the delay."""
 _LINEAR_LABEL = ": grows near rest"
+"""End of the label of the change from which the linear loop is unstable."""
 _BOUNDARY: Style = {"color": COLOURS[0], "lw": 0.9}
 _LIMIT_LINE: Style = {"color": WARM, "lw": 2.4}
 _UNSTABLE_AREA: Style = {"color": "0.88"}
@@ -136,6 +139,7 @@ def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
         margins = [getattr(m, name) for m in ordered]
         unit, panel = ("s", _DELAY) if name == "delay" else ("dB", _FACTORS)
         kinds = [("value", "", 2.0), ("linear", _LINEAR_LABEL, 1.0)]
+        # of effectiveness, control moment per deflection, the linear loop has no margin of its own
         for field, suffix, width in kinds[: 1 if name.startswith("effect") else 2]:
             values = np.array([getattr(margin, field) for margin in margins])
             shown = values if name == "delay" else 20.0 * np.log10(values)

@@ -64,9 +64,10 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
 
 
 def _styles(sizing: Sizing) -> dict[str, Style]:
-    """Return the line style of each requirement of a sizing, by requirement.
+    """Return the line style of each requirement of a sizing, by its heading.
 
     The colour is the same for frozen and varying parameters and for all directions of the wind.
+    Requirements are trim, each dead band K, the bound without a forecast, and the minimum.
     """
     bands = [Requirement(dead_band=K) for K in sizing.dead_bands]
     colours = dict(zip([TRIM, NO_FORECAST, MINIMUM, *bands], (INK, *cycle(_COLOURS)), strict=False))
@@ -117,7 +118,9 @@ def deflection_use_chart(use: DeflectionUse, name: str = "") -> "ControlPlot":
 
 
 _LIMITS = 121
+"""Number of limits on the abscissa."""
 _WIDER = 1.1
+"""End of the abscissa, over the largest requirement and the specified limit."""
 _FLOWN, _LOWER, _UPPER = "flown", "interval, lower end", "interval, upper end"
 _STEPS: Style = {"drawstyle": "steps-post"}
 

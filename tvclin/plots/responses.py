@@ -118,8 +118,8 @@ def response_curves(
 def _limit_columns(deflection: FloatArray, limit: float) -> list[Column]:
     """Return the lines of a limit [rad] with the signs with which a deflection reaches half of it.
 
-    If it reaches half with neither sign, the line has the sign of the larger peak. `deflection`: in
-    deg.
+    If it reaches half with neither sign, the line has the sign of the larger peak. `deflection`:
+    values [deg], ``(n,)``; the lines are in deg too.
     """
     reach = {"upper limit": np.nanmax(deflection), "lower limit": -np.nanmin(deflection)}
     threshold = min(0.5 * np.degrees(limit), max(reach.values()))
@@ -221,7 +221,10 @@ def flight_chart(curves: Curves, title: str) -> "ControlPlot":
 
 
 def _frames(curves: Curves) -> dict[str, tuple[float, float]]:
-    """Return the ends of the ordinate of each panel, around its curves and zero."""
+    """Return the ends of the ordinate of each panel, around its curves and zero.
+
+    They are `_ROOM` of the range beyond it; one unit where all curves are zero.
+    """
     limits = {}
     for panel, columns in curves.panels.items():
         values = np.concatenate([[0.0], *(column.values for column in columns)])
@@ -457,7 +460,8 @@ def _attitudes(
 
     `plant`: the plant. `x`: times over the duration of the wind, ``(n,)``. `tau_beta`: that
     duration times the pole. `dead_band`: K. `flights`: function of `flown_attitudes` for marks of
-    flights, or None.
+    flights, or None. Attitudes are over minus the peak of the wind. Where K times the limit exceeds
+    the largest trim the control never leaves trim, which a note says.
     """
     duration = tau_beta / float(plant.coefficients.pole)
     wind = TriangularWind(peak=PEAK, duration=duration)
@@ -517,7 +521,11 @@ def _styles(factors: Sequence[float], points: int) -> dict[str, Style]:
 
 
 def _frame(boundary: FloatArray) -> tuple[float, float]:
-    """Return ends of the ordinate, around the curve on the boundary and a part of it below zero."""
+    """Return ends of the ordinate, around the curve on the boundary and a part of it below zero.
+
+    `boundary`: attitudes of that curve, ``(n,)``. At least 0.35 of its size on both sides of zero
+    shows where curves beside it, which diverge, leave the frame.
+    """
     size = float(np.abs(boundary).max()) or 1.0
     return min(-0.35 * size, 1.2 * float(boundary.min())), max(
         0.35 * size, 1.3 * float(boundary.max())

@@ -80,12 +80,12 @@ def pole_map(coefficients: Coefficients, models: Sequence[str] = MODELS) -> Cont
     modes_of = {model: all_modes(Plant(coefficients, model)) for model in models}
     poles = np.concatenate([modes.poles for modes in modes_of.values()])
     radius_of_all = float(np.abs(poles).max()) or 1.0
-    small = np.abs(poles)[np.abs(poles) < radius_of_all / 5]
+    small = np.abs(poles)[np.abs(poles) < radius_of_all / 5]  # those that the right panel enlarges
     inner_radius = 1.6 * float(small.max(initial=0.0)) or radius_of_all / 5
     lines: list[Any] = []
     for axes, radius, min_size in (
         (panels[0], 1.5 * radius_of_all, inner_radius),
-        (panels[1], inner_radius, -1.0),
+        (panels[1], inner_radius, -1.0),  # below every size: also of a pole at the origin
     ):
         _prepare(axes, radius)
         for row, model in enumerate(models):
@@ -120,6 +120,9 @@ def _mark_poles(
     axes: Axes, modes: Modes, model: str, row: int, named: tuple[float, float]
 ) -> list[Any]:
     """Return the marks of the poles of one model, drawn into axes, with residues at some poles.
+
+    A residue is that from deflection to attitude [1/s]. It is written once for a conjugate pair,
+    higher for each further model, so that those of equal poles do not hide each other.
 
     `modes`: poles [1/s] and residues. `model`: name of the model. `row`: number of the model, for
     colour and mark. `named`: smallest and largest size [1/s] of poles whose residues are written.
@@ -159,9 +162,12 @@ def _write_residue(axes: Axes, pole: complex, residue: complex, lift: int, colou
 _STEP, _APART, _ROUNDS, _PARTS = 0.015, 0.5, 5, 4
 """The largest step of a pole, over its size and over its distance from the next one; how often,
 and into how many parts, a step is divided."""
+_NO_STEP = 0.02 * _STEP
+"""A step of a pole below this is not divided, over the smallest size of interest."""
 _FAR = 0.2
 """The sample rate over the farthest pole of a sampled loop, which z = 0 would put at infinity."""
 _HALVINGS = 60
+"""Bisections for the gain at which two real poles meet: more than a float has bits."""
 _BESIDE = np.linspace(0.0, 1.0, 9)[1:-1] ** 2
 """Where poles meet they move with the root of the gain: parts of the step to the next gain."""
 
@@ -183,10 +189,14 @@ class LocusPoles:
         """Return the poles of one loop with a Pade approximation of its delay, of this order.
 
         Poles of a sampled loop, where the delay is exact, are s = ln(z)/h of its discrete poles z.
+
+        The form of a loop is a fraction of polynomials, or state space A, B, C with the direct term
+        D, of which its first case is drawn. A zero that is at infinity is NaN there. The zeros of a
+        Pade approximation are its poles, mirrored in the imaginary axis.
         """
         if isinstance(loop.form, Rational):
             return cls._of_polynomials(loop, order)
-        form, k = loop.form, loop.form.case[0]
+        form, k = loop.form, loop.form.case[0]  # k: index of the matrices of the first case
         A, B, C, D = form.A[k], form.B[k, :, np.newaxis], form.C[k, np.newaxis], form.direct[0]
         zeros = form.zeros()[0].astype(complex)
         zeros = zeros[~np.isnan(zeros)]
@@ -194,7 +204,8 @@ class LocusPoles:
             to_s = partial(_in_s_plane, half=0.5 * float(loop.period))
             return cls._of_system((A, B, C, np.reshape(D, (1, 1))), zeros, to_s)
         pade = pade_delay(float(loop.delay), order)
-        mirrored = -np.linalg.eigvals(pade[0]).astype(complex)  # zeros of the approximation
+        pade_matrix, *_ = pade  # A of the approximation
+        mirrored = -np.linalg.eigvals(pade_matrix).astype(complex)
         system = series((A, B, C, np.zeros((1, 1))), pade)
         return cls._of_system(system, np.concatenate([zeros, mirrored]), np.asarray)
 
@@ -202,14 +213,15 @@ class LocusPoles:
     def _of_polynomials(cls, loop: Loop, order: int) -> LocusPoles:
         """Return the locus of a loop of polynomials, which resolve poles that meet more closely.
 
-        `order`: order of the Pade approximation of its delay.
+        `order`: order of the Pade approximation of its delay. With numerator n and denominator d of
+        the loop, highest power first, closed-loop poles are roots of d + k n at the factor k.
         """
         above, below = np.trim_zeros(loop.numerator, "f"), loop.denominator
         delay = float(loop.delay)
         if delay > 0.0:
             import control
 
-            powers = delay ** np.arange(order, -1.0, -1.0)
+            powers = delay ** np.arange(order, -1.0, -1.0)  # from a delay of one second to this one
             top, bottom = (powers * p / p[-1] for p in control.pade(1.0, order))
             above, below = polynomials.multiply(above, top), polynomials.multiply(below, bottom)
         padded = np.pad(above, (below.size - above.size, 0))
@@ -253,9 +265,7 @@ class LocusPoles:
             max_step = np.minimum(
                 _STEP * np.maximum(sizes, min_size), _APART * _pole_distances(poles[1:])
             )
-            coarse = (steps > np.maximum(max_step, 0.02 * _STEP * min_size)) & (
-                sizes < 2.0 * max_size
-            )
+            coarse = (steps > np.maximum(max_step, _NO_STEP * min_size)) & (sizes < 2.0 * max_size)
             coarse_steps = np.flatnonzero(np.any(coarse, axis=-1))
             between = np.linspace(factors[coarse_steps], factors[coarse_steps + 1], _PARTS + 1)
             factors = np.unique(np.concatenate([factors, between.ravel()]))
@@ -266,7 +276,8 @@ class LocusPoles:
     def _with_meetings(self, factors: FloatArray) -> FloatArray:
         """Return rising factors on the loop gain, ``(n,)``, and further ones where real poles meet.
 
-        `factors`: those without the further ones.
+        `factors`: those without the further ones. Between two factors with different numbers of
+        real poles the meeting is found by bisection; `_BESIDE` are fractions of the step beside it.
         """
         count = self._real(factors)
         intervals = np.flatnonzero(count[1:] != count[:-1])
@@ -300,9 +311,13 @@ class LocusPoles:
 
 
 def _in_s_plane(w: AnyArray, half: float) -> AnyArray:
-    """Return s = ln(z)/h [1/s] of poles or zeros in the w plane; `half`: half the period h [s]."""
+    """Return s = ln(z)/h [1/s] of poles or zeros in the w plane; `half`: half the period h [s].
+
+    The bilinear rule is z = (1 + w h/2)/(1 - w h/2). A pole z = 0 is put where its distance is the
+    sample rate over `_FAR`.
+    """
     z = (1.0 + w * half) / (1.0 - w * half)
-    size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))  # z = 0: a command still to come
+    size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))  # z = 0: a command in the delay
     return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
 
 
@@ -429,7 +444,7 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
 
     Of an unstable loop to beyond the second change. `locus`: poles over factors. `samples`: the
     loop with its margins. `radii`: radii of the panels [1/s], in which the branches are to be
-    smooth.
+    smooth. The last factor is twice that change, from 3 to 1e4; without a change it is 10.
     """
     crossings = samples.margins.crossings.gain_factors
     crossings = np.sort(crossings[np.isfinite(crossings) & (crossings > 0.0)])
@@ -443,7 +458,8 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
 def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     """Return the radii [1/s] of the panels: around all poles but the delay's, and the origin.
 
-    `samples`: the loop. `poles`: its closed-loop poles [1/s].
+    `samples`: the loop. `poles`: its closed-loop poles [1/s]. The inner radius is that of the poles
+    of the rigid vehicle and of slow closed-loop poles; it has no panel if it is near the outer one.
     """
     order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]
@@ -469,9 +485,10 @@ def _pole_mark(pole: complex) -> Mark:
 def _axis_marks(samples: LoopSamples) -> list[Mark]:
     """Return the marks of a locus on the imaginary axis at the gain margins of a loop.
 
-    `samples`: the loop with its margins.
+    `samples`: the loop with its margins. The factors on the loop gain there are the gain margins;
+    an aero margin is by how much the gain may fall. A mark has its mirror image below.
     """
-    marks = margin_marks(samples, lambda omega: (0.0, omega))[:2]
+    marks = margin_marks(samples, lambda omega: (0.0, omega))[:2]  # without the phase margin
     m = samples.margins
     factors = (1.0 / m.aero_margin if m.aero_margin else np.inf, m.gain_increase)
     axis_marks = []

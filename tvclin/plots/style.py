@@ -242,11 +242,15 @@ def called(name: str, text: str) -> str:
 
 def cycle(items: Sequence[Any]) -> list[Any]:
     """Return the items repeated eight times, for more curves than a figure can show."""
-    return list(items) * 8
+    return list(items) * 8  # a list, whose items are also looked up by number
 
 
 def control_plot(lines: list[Any], axes: Any, curves: Curves | None = None) -> "ControlPlot":
-    """Return lines and axes as python-control's plot, with the numbers it shows as `.curves`."""
+    """Return lines and axes as python-control's plot, with the numbers it shows as `.curves`.
+
+    Its lines are a table of lists in the shape of the panels. While python-control is not imported
+    the plot is a substitute of the same attributes.
+    """
     panels = np.atleast_2d(axes)
     table = np.empty(panels.shape, dtype=object)
     for index, panel in np.ndenumerate(panels):
@@ -357,9 +361,15 @@ _DPI = 150
 _DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
 """Distances of a number from its mark, in points, the preferred first."""
 _DIRECTIONS = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
+"""Directions from a mark to its number, to the right and up, the preferred first."""
 _OUTSIDE, _LABEL, _MARK, _LEADER, _CURVE = 100.0, 40.0, 20.0, 10.0, 6.0
 """Costs of a number outside the frame, and over numbers, marks, their leaders, and curves."""
 _MARK_SIZE = 7.0
+"""Diameter of a mark [points]."""
+_DISTANCE_COST = 0.02
+"""Cost of a number for each point of distance from its mark: less than that of hiding a curve."""
+_BOX_MARGIN = 2.0
+"""Margin of the box of a number around its text [pixels]."""
 
 
 @dataclass(frozen=True)
@@ -471,7 +481,8 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
     """Return the box of a number, in pixels, after moving it to the place of least cost.
 
     `note`: the number, as matplotlib's annotation. `point`: its mark in pixels, ``(2,)``.
-    `obstacles`: what it should not hide.
+    `obstacles`: what it should not hide. Of places of equal cost the first one tried counts; it is
+    held in points from the mark, by the alignment of its text to the side of the mark.
     """
     from matplotlib.text import Text
     from matplotlib.transforms import Bbox
@@ -483,17 +494,14 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
         for direction in np.array(_DIRECTIONS):
             offset = distance * direction / np.hypot(*direction) ** 0.5
             corner = point + offset * scale + size * (direction - 1) / 2.0
-            box = Bbox.from_bounds(*(corner - 2.0), *(size + 4.0))
-            candidates.append(
-                (
-                    _cost(box, point, obstacles) + 0.02 * distance,
-                    *(len(candidates), offset, direction, box),
-                )
-            )
-        if min(c[0] for c in candidates) <= 0.02 * distance:  # hides nothing: none is better
+            box = Bbox.from_bounds(*(corner - _BOX_MARGIN), *(size + 2.0 * _BOX_MARGIN))
+            cost = _cost(box, point, obstacles) + _DISTANCE_COST * distance
+            candidates.append((cost, len(candidates), offset, direction, box))
+        if min(candidates)[0] <= _DISTANCE_COST * distance:  # hides nothing: none is better
             break
     _, _, offset, (x_sign, y_sign), box = min(candidates, key=lambda candidate: candidate[:2])
     note.set_position(tuple(offset))
+    # by sign 0, 1 and -1: the text is centred, begins or ends at the place
     note.set_horizontalalignment(("center", "left", "right")[int(x_sign)])
     note.set_verticalalignment(("center", "bottom", "top")[int(y_sign)])
     return box
@@ -502,7 +510,8 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
 def _cost(box: "Bbox", point: FloatArray, obstacles: _Obstacles) -> float:
     """Return the cost of a number's box, in pixels, over the obstacles of its panel.
 
-    `point`: mark of the number in pixels, ``(2,)``, to which a leader is drawn.
+    `point`: mark of the number in pixels, ``(2,)``, to which a leader is drawn. Each overlap adds
+    its cost: with the frame, other numbers and their leaders, marks, and curves.
     """
     from matplotlib.path import Path as Polyline
 
@@ -530,7 +539,10 @@ def _points(axes: "Axes") -> FloatArray:
 
 
 def _outlines(axes: "Axes") -> Iterator[tuple["Polyline", float]]:
-    """Yield the curves and boxes in axes in pixels, each with the cost of hiding it."""
+    """Yield the curves and boxes in axes in pixels, each with the cost of hiding it.
+
+    What lies below the order 1, such as grid and levels, may be hidden at no cost.
+    """
     from matplotlib.path import Path as Polyline
 
     for line in axes.get_lines():

@@ -67,7 +67,8 @@ _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
     """Return the curves of `rate_chart` for a trade-off; NaN where no deflection is sufficient.
 
-    `trade_off`: limits over rate limits, with those of flown laws or without.
+    `trade_off`: limits [rad] over rate limits [rad/s], with those of flown laws or without. The
+    nozzle is a point, at its own rate limit, if that is among the rates.
     """
     flown = trade_off.limits if isinstance(trade_off, FlownTradeOff) else {}
     trade_off = trade_off.minimum if isinstance(trade_off, FlownTradeOff) else trade_off
@@ -103,7 +104,8 @@ def rate_chart(
 def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Curves:
     """Return the curves of `load_chart` for a trade-off; NaN where no deflection is sufficient.
 
-    `trade_off`: limits over loads. `flown`: limit and load of flown laws, a point each.
+    `trade_off`: limits [rad] over loads, as angles of attack [rad] that load the structure as much.
+    `flown`: limit and load of flown laws, a point each; their loads are added to the abscissa.
     """
     errors.instance("trade_off", trade_off, LoadTradeOff, "see load_trade_off")
     flown = errors.each("flown", flown, FlownLoad, "one for each law")
@@ -290,6 +292,7 @@ def _smooth(line: Line2D) -> None:
 TRIMS, MEANS = "trim, over time", "mean of the trim to come"
 HELD, STOP = "held from the dead band on", "the stop at the least limit"
 _TIMES, _SIDES = 240, 360
+"""Number of times of the wind, and of sides of the polygon that is drawn for the limit shape."""
 _FRAME_MARGIN = 0.06
 """Margin of the frame around the curves, over their size."""
 
@@ -329,6 +332,7 @@ def plane_chart(
     times = np.union1d(knots[(knots > ends[0]) & (knots < ends[1])], np.linspace(*ends, _TIMES))
     angles = 2.0 * np.pi * np.arange(_SIDES + 1) / _SIDES
     constant = limit.pitch + 1j * limit.yaw
+    # vectors of both planes [rad], pitch + i yaw
     vectors = {
         STOP: limit.deflection * shape.reach(angles) * unit_vector(angles),
         TRIMS: pair.trim(times),
@@ -336,6 +340,7 @@ def plane_chart(
         HELD: np.array([0.0, constant]),
     }
     points = np.concatenate(list(vectors.values())) * (180.0 / np.pi)
+    # one abscissa, pitch, for all curves: each has its ordinates, yaw, at its own points alone
     first, columns = 0, []
     for label, values in vectors.items():
         across = np.full(points.size, np.nan)

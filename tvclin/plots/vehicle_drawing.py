@@ -140,7 +140,8 @@ def _wind_and_control(
     """Return sketch (a) or (b): a wind, trim, and the deflection of the control.
 
     `name`: name of its numbers. `title`: title. `tau_beta`: duration of the wind times the pole.
-    `dead_band`: K of the control.
+    `dead_band`: K of the control. The wind has a peak and a duration of one, and B is one, so that
+    trim is minus the wind, and the control is shown with the opposite sign, over trim.
     """
     plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0), "fixed-path")
     boundary = boundary_limit(plant, wind, dead_band)
@@ -193,7 +194,10 @@ def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> No
 
 
 def _times_with_jumps(*histories: History) -> FloatArray:
-    """Return times from before the wind to after it, with both sides of every breakpoint."""
+    """Return times from before the wind to after it, with both sides of every breakpoint.
+
+    They are over the duration of the wind, from -0.25 to 1.5, ``(n,)``.
+    """
     knots = np.concatenate([history.knots.ravel() for history in histories])
     knots = knots[(knots >= 0.0) & (knots <= 1.5)]
     even = np.linspace(-0.25, 1.5, 351)
@@ -201,7 +205,9 @@ def _times_with_jumps(*histories: History) -> FloatArray:
 
 
 _ARM_A, _ARM_C, _NOSE, _TAIL, _RADIUS, _SPEED = 3.2, 6.0, 6.4, -6.0, 0.55, 11.0
+"""Lengths in figure 1, which is not to scale: moment arms, ends and radius of the body, speed."""
 _ALONG = np.linspace(0.0, 1.0, 41)
+"""Parts of a line at which its points are."""
 
 _BODY: Style = {"color": INK, "ls": "-", "lw": 1.8}
 _FORCE: Style = {"color": WARM, "ls": "-", "lw": 2.0}
@@ -293,7 +299,7 @@ def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
     if line.arrow:
         head = {"arrowstyle": line.arrow, "color": line.style["color"], "lw": line.style["lw"]}
         head |= {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 16}
-        start = 0 if line.arrow == "<|-|>" else -3
+        start = 0 if line.arrow == "<|-|>" else -3  # heads at both ends, or along the last points
         axes.annotate("", (x[-1], y[-1]), (x[start], y[start]), arrowprops=head)
     if line.text:
         i = round(line.text_position * (x.size - 1))
@@ -309,10 +315,11 @@ def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
 
 
 def _body(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of vehicle, axis and nozzle by name.
+    """Return the lines of vehicle, axis, nozzle and horizontal by name.
 
     `attitude`, `path`: attitude and flight path angle [rad]. `wind`: wind angle of attack [rad].
-    `deflection`: deflection [rad].
+    `deflection`: deflection [rad]. Flight path and wind are not used: all groups of lines take the
+    same angles.
     """
     u, n = _axes_of(attitude)
     corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
@@ -332,13 +339,14 @@ def _body(attitude: float, path: float, wind: float, deflection: float) -> dict[
 
 
 _NOZZLE = ((-1, 0.2, 0.0), (-1, 0.5, 1.1), (1, 0.5, 1.1), (1, 0.2, 0.0), (-1, 0.2, 0.0))
+"""Corners of the nozzle: side, half width, and distance behind the gimbal."""
 
 
 def _forces(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
     """Return the lines of the forces by name.
 
     `attitude`, `path`, `wind`, `deflection`: angles [rad] at which the vehicle is drawn, see
-    `_body`.
+    `_body`, of which attitude and deflection count. Arrows have the length of the drawing alone.
     """
     u, n = _axes_of(attitude)
     along = _axes_of(attitude + deflection)[0]
@@ -459,7 +467,7 @@ def _polyline(corners: list[Any], count: int) -> FloatArray:
     `count`: number n of points.
     """
     sides = len(corners) - 1
-    position = np.minimum(np.arange(count) / (count // sides), sides)
+    position = np.minimum(np.arange(count) / (count // sides), sides)  # in sides from the first
     columns = np.array(corners).T
     return np.stack([np.interp(position, np.arange(sides + 1), xs) for xs in columns], axis=-1)
 

@@ -106,7 +106,11 @@ def _wind(findings: Findings) -> Iterator[Assumption]:
 
 
 def _sign(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption on the wind direction and dynamic pressure in findings."""
+    """Yield the assumption on the wind direction and dynamic pressure in findings.
+
+    A `FROZEN` direction stands for the nominal dynamic pressure, for which the ratio of the
+    required deflection to that at nominal pressure is one.
+    """
     s = findings.study
     if s.direction != FROZEN:
         words = f"A {s.direction} wind changes the dynamic pressure. That is counted: it requires "
@@ -118,7 +122,12 @@ def _sign(findings: Findings) -> Iterator[Assumption]:
 
 
 def _linear(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption of linear aerodynamics, with the largest angle of attack in findings."""
+    """Yield the assumption of linear aerodynamics, with the largest angle of attack in findings.
+
+    That [rad] is the peak of the wind, of its vector where both planes are judged, or what the
+    autopilot reaches in it. It is doubtful beyond `MAX_CERTAIN_ANGLE`; so is a larger wind that the
+    limit survives.
+    """
     s, c = findings.study, findings.comparison
     angle = abs(
         float(
@@ -142,7 +151,11 @@ def _linear(findings: Findings) -> Iterator[Assumption]:
 
 
 def _slow(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption on whether the findings may neglect the slow mode of the flight path."""
+    """Yield the assumption on whether the findings may neglect the slow mode of the flight path.
+
+    They may up to the duration of `single_pole_validity` [s], NaN where the vehicle has no two real
+    unstable poles.
+    """
     s = findings.study
     if not isinstance(s.vehicle, Vehicle):
         words = (
@@ -173,7 +186,9 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
 def _frozen(findings: Findings) -> Iterator[Assumption]:
     """Yield the assumption of constant parameters during the wind, with their effect.
 
-    `findings`: results of a study plan; the effect is that along its flight, if it has one.
+    `findings`: results of a study plan; the effect is that along its flight, if it has one: the
+    relative change of beta or B during the wind, and the requirements with it and without, at the
+    flight time and in the wind of the largest total. Nothing is yielded where that is not known.
     """
     still = "Mass, thrust, air and speed stay as they are while the wind blows"
     if findings.flight is None:
@@ -181,7 +196,7 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
         more = "; a flight ([schedule]) would say how much they change" * complete
         yield Assumption("reader", (f"{still}{more}.",))
         return
-    s, total = findings.flight
+    s, total = findings.flight  # sizing, and its worst total
     if total.time is None:
         return
     i = int(np.argmin(np.abs(s.times - total.time)))
@@ -219,7 +234,11 @@ def _rigid(findings: Findings) -> Iterator[Assumption]:
 
 
 def _modes(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption on the frequencies of modes, where the findings have a stable loop."""
+    """Yield the assumption on the frequencies of modes, where the findings have a stable loop.
+
+    It is doubtful where the loop becomes unstable with the frequency of a mode at most the fraction
+    `NEAR` off.
+    """
     f = findings.flexible
     if f is None or f.detuned is None or not f.bands.margins.stable:
         return
@@ -284,7 +303,10 @@ def _too_fast(findings: Findings, rate_limit: float) -> bool:
 
 
 def nominal_notes(findings: Findings) -> Iterator[str]:
-    """Yield the answers of findings that are at nominal pressure, where a head wind governs."""
+    """Yield the answers of findings that are at nominal pressure, where a head wind governs.
+
+    They are yes, and may be no at the higher pressure; nothing where that is counted.
+    """
     if findings.head is not None and findings.head.stop is not None:
         return
     names = "autopilot", "flexible flight"

@@ -95,7 +95,8 @@ def requirement_warnings(findings: Findings) -> Iterator[str]:
 def flexible_flight(findings: Findings) -> Table:
     """Return the table of flexible and rigid vehicle, flown with the limits of the nozzle.
 
-    `findings`: results of a plan whose vehicle has a structure, with its autopilot.
+    `findings`: results of a plan whose vehicle has a structure, with its autopilot. Without a limit
+    there is no flight, and the table has the smallest limits [deg] that survive alone.
     """
     f, s = findings.flexible, findings.study
     assert isinstance(f, FlexibleAnswer)
@@ -135,7 +136,8 @@ def law_sample_rate(findings: Findings) -> Line:
 def autopilot_as_law(findings: Findings) -> Line:
     """Return the sentence on how the autopilot is flown among the laws, and how for the verdict.
 
-    `findings`: results of a study plan with laws.
+    `findings`: results of a study plan with laws. Laws fly without the gust of the wind and, with a
+    rigid vehicle, without actuator and delay. Empty where neither has to be said.
     """
     plan, s, request = findings.plan, findings.study, findings.plan.laws
     gust = ["the gust"] if s.gust is not None else []

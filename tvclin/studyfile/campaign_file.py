@@ -250,7 +250,9 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return schedule and source of a flight, from [schedule] or else from the study's vehicle.
 
     With `another`: the name of the study's vehicle, where the flight belongs to another vehicle.
-    `document`: tables of the file; `folder`: where the files that it names are.
+    `document`: tables of the file; `folder`: where the files that it names are. The flight stands
+    in [schedule] as lists over time_s, or as a source: a CSV file, or a vehicle with [flight].
+    `InputError` for both, and for neither.
     """
     table = document.get("schedule", {})
     lists = "time_s" in table or any(isinstance(value, list) for value in table.values())
@@ -323,7 +325,7 @@ def _as_specified(schedule: FlightSchedule, document: Mapping[str, Any]) -> Flig
     """Return a flight schedule without what a document replaces: its structure, its actuator.
 
     The structure is left out of a rigid vehicle. An actuator in [nozzle] counts more than the
-    flight's own, at a single time as over the flight.
+    flight's own, at a single time as over the flight; without one the nozzle has `USUAL_ACTUATOR`.
     """
     if is_rigid(document):
         schedule = replace(schedule, structure=None)
@@ -453,7 +455,11 @@ def system_of(document: Mapping[str, Any], table: FileTable, folder: Path) -> Li
 
 
 def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
-    """Return the dispersions of the tables [[dispersion]] and [[correlation]] in a document."""
+    """Return the dispersions of the tables [[dispersion]] and [[correlation]] in a document.
+
+    Each [[correlation]] is a coefficient between two of the parameters; other pairs have none, and
+    the diagonal of the matrix is one. `InputError` for other than two different parameters.
+    """
     rows = DISPERSION_TABLE.each(document)
     correlation = CORRELATION_TABLE.each(document)
     dispersions, faults = [], Faults()
@@ -478,7 +484,11 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
 
 
 def _dispersion(row: dict[str, Any]) -> Dispersion:
-    """Return the distribution of a parameter, from the keys of a table [[dispersion]] in `row`."""
+    """Return the distribution of a parameter, from the keys of a table [[dispersion]] in `row`.
+
+    Its spread is the one key besides parameter and shape: relative as percent or part, or else in
+    the unit of the parameter. `InputError` for none and for several.
+    """
     table = spread_table(row.get("parameter"))
     keys = table.read(row)
     parameter, shape = keys.pop("parameter"), keys.pop("shape", "normal")

@@ -146,8 +146,9 @@ class Findings:
     def autopilot_survives(self) -> float:
         """Largest factor on the wind that the autopilot survives, flown with the limit as its stop.
 
-        At nominal dynamic pressure a flight scales with its wind; a larger head wind raises that
-        too. NaN where it is not flown.
+        At nominal dynamic pressure a flight scales with its wind, so that the factor is the limit
+        over the requirement [rad]; a larger head wind raises the pressure too, and the factor is
+        searched for. NaN where it is not flown.
         """
         limit, stop, s = self.study.limit, self.stop, self.study
         if stop is None or limit is None:
@@ -163,7 +164,10 @@ class Findings:
         from tvclin.requirement.autopilot_requirement import at_peak_pressure, autopilot_boundary
 
         def requirement(size: float) -> float:
-            """Return the autopilot requirement [rad] of `size` times the head wind, along it."""
+            """Return the autopilot requirement [rad] of `size` times the head wind, along it.
+
+            Infinite where the pressure of that wind is beyond what can be computed.
+            """
             with suppress(InputError):
                 denser = at_peak_pressure(self.plan, s, size)
                 flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.plane_ratio)
@@ -192,7 +196,7 @@ def _sealed(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     """Return a value, an array or history, as JSON lists.
 
-    Complex numbers are pairs, times are text.
+    Complex numbers are two lists, of real and of imaginary parts; dates (kind "M") are text.
     """
     array = np.asarray(value)
     if np.iscomplexobj(array):
@@ -283,8 +287,12 @@ def find(
 
 
 def _requests(plan: StudyPlan) -> dict[str, Any]:
-    """Return the requests of a plan, each an input of its result, by field of `Findings`."""
-    loop = plan.design or plan.criteria
+    """Return the requests of a plan, each an input of its result, by field of `Findings`.
+
+    A result that the plan does not request is left out. Those of the autopilot need its design, or
+    criteria for its margins; those with a limit have the deflection limit [rad] for their request.
+    """
+    loop = plan.design or plan.criteria  # whether the autopilot is judged
     along = plan.sizing and (plan.sizing.scheduled_design or plan.design)
     requests = {
         "trials": plan.laws,
@@ -315,6 +323,9 @@ def _trials(
 
     `plan`, `study`: the study plan, and its study. `loop`: function that returns plant and
     autopilot. `request`: names of laws and winds. `progress`: called with trials done and in total.
+
+    The laws are compared with boundaries, which have no actuator and no delay: a rigid vehicle
+    flies without them too, a vehicle with a structure with both and with the filters of its plan.
     """
     from tvclin.design.standard_trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of
@@ -324,7 +335,7 @@ def _trials(
     autopilot = None if plan.design is None else loop()[1]
     laws = standard_laws(plant.rigid, study.wind.peak, autopilot, nozzle["rate_limit"])
     winds = standard_winds(study.wind.peak, study.wind.duration)
-    if plan.vehicle.structure is None:  # compared with boundaries, which have none
+    if plan.vehicle.structure is None:
         nozzle |= {"actuator": None, "delay": 0.0}
     else:
         from tvclin.case.flexible_autopilot import with_filters
@@ -365,17 +376,19 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
     """Return the margins of a flight through the wind of a study with a deflection limit [rad].
 
     `plan`: plan of the study. `loop`: result with the plant that flies and its autopilot.
+    `InputError` for a wind of more than `_MAX_SAMPLES` samples.
     """
     from tvclin.control.laws.autopilot_law import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    samples = float(study.history.end - study.history.onset) * plan.hardware["sample_rate"]
+    duration = float(study.history.end - study.history.onset)  # of the wind [s]
+    samples = duration * plan.hardware["sample_rate"]
     if samples > _MAX_SAMPLES:
         raise InputError(
             f"flown margins take winds of at most {_MAX_SAMPLES} samples, this one has"
             f" {samples:.0f}: shorten it"
         )
-    law, limit = SaturatedLaw.of(loop.autopilot), limit / study.plane_ratio
+    law, limit = SaturatedLaw.of(loop.autopilot), limit / study.plane_ratio  # of this plane
     return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
 
 
@@ -397,6 +410,9 @@ def _in_a_head_wind(
     plan: StudyPlan, study: Study, flying: Flying | None, loop: Loop, limit: float
 ) -> HeadWind | None:
     """Return answers at the pressure of a head wind; None where that sets no requirement.
+
+    The dynamic pressure is that at the peak of the wind, held throughout: an upper bound. An answer
+    that is not defined at that pressure is None.
 
     `plan`, `study`: the study plan, and its study. `flying`: result with plant and autopilot, None
     without an autopilot. `loop`: function that returns both. `limit`: deflection limit [rad].
@@ -432,8 +448,9 @@ def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:
     """
     if plan.load is None:
         return denser
-    slopes = [getattr(x.vehicle, "normal_force_slope", 1.0) for x in (denser, plan)]
-    return replace(denser, load=plan.load.at_pressure(float(slopes[0] / slopes[1])))
+    # the slope N [N/rad] goes with the dynamic pressure; a vehicle of coefficients has none
+    higher, nominal = (getattr(x.vehicle, "normal_force_slope", 1.0) for x in (denser, plan))
+    return replace(denser, load=plan.load.at_pressure(float(higher / nominal)))
 
 
 def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
@@ -452,7 +469,7 @@ def _turbulence(
     """Return the autopilot in the wind of a study and in turbulence, in one plane.
 
     `plan`: plan of the study. `loop`: function that returns plant and autopilot. `request`: the
-    turbulence, and how many standard deviations count.
+    turbulence, and how many standard deviations count. `InputError` where both planes are judged.
     """
     from tvclin.case.turbulence import LoopInTurbulence
 

@@ -125,7 +125,10 @@ class FlightLoop:
 
     @cached_property
     def sampled(self) -> dict[str, GainSchedule]:
-        """The autopilot over the flight by plane, sampled as in flights."""
+        """The autopilot over the flight by plane, with the sample rate [Hz] of the flights.
+
+        `sweep` judges the same autopilot without samples. One plane, or both if the plan has both.
+        """
         rate, by_plane = self.plan.hardware["sample_rate"], {}
         for plane in PLANES if self.plan.planes == BOTH else (self.plan.plane,):
             law = self.autopilot if plane == self.plan.plane else self._autopilot_in(plane)
@@ -173,6 +176,9 @@ class FlightLoop:
         pressure is that encountered in the wind. With a limit shape both planes fly together.
         `progress` is called with winds done and in total.
 
+        A flight whose status is "lost" diverges; `used` is NaN at the times of a wind that is not
+        survived, at all times if that is a sounding without a gust, which has no time.
+
         Raises
         ------
         InputError
@@ -215,7 +221,9 @@ class FlightLoop:
         """Yield the flights through winds, in the order of `cases`, with a deflection limit [rad].
 
         `cases`: winds, each with a direction: head, tail, frozen, or None where the wind has its
-        own. The stages of all pulses are computed together, and of all soundings.
+        own. The stages of all pulses are computed together, and of all soundings. A pulse has its
+        time in itself, and its flight goes on until it settles; a measured wind also gets the time
+        [s] of its gust, and its flight ends with the sizing.
         """
         for measured, group in groupby(cases, lambda case: isinstance(case[0].wind, _MEASURED)):
             if self.plan.planes == BOTH:
@@ -236,7 +244,10 @@ class FlightLoop:
     def _flown_in_planes(self, case: _Wind, sign: str | None, limit: float) -> FlightAlong:
         """Return the flight in both planes through a wind, with a deflection limit [rad].
 
-        `case`: wind in both planes. `sign`: its direction, see `fly_planes_along`.
+        `case`: wind in both planes. `sign`: "frozen" for the nominal dynamic pressure; None for
+        that encountered in the wind, whose own direction says it. Gust time and end of the flight
+        [s] are of a measured wind alone: a pulse is placed already, and its flight goes on until it
+        settles.
         """
         measured, wind = isinstance(case.wind, _MEASURED), case.wind
         assert isinstance(wind, PlaneWind | MeasuredPlanes)
@@ -265,9 +276,10 @@ class FlightLoop:
 
         The required one is the requirement of the sizing that counts, with its lower bounds beside
         it; their parameters vary only if its own do: the bound of a frozen vehicle is none along
-        the flight. `sizing`: that of the flight and its winds. `requirements`: whether the
-        autopilot requirement stands beside them too. `progress`: called with flights done and in
-        total.
+        the flight. The bounds are the minimum, with the wind known, and that without a forecast.
+        `sizing`: that of the flight and its winds. `requirements`: whether the autopilot
+        requirement stands beside them too; in both planes it is not computed, and NaN. `progress`:
+        called with flights done and in total.
         """
         flown, needed = self.fly(progress), None
         counted = self.request.counted(sizing, self.plan.sign)
@@ -313,7 +325,11 @@ class FlightLoop:
             yield from (f"{name}: {note}" for note in notes)
 
     def _cases(self) -> Iterator[_Wind]:
-        """Yield the winds in flight time."""
+        """Yield the winds in flight time: a pulse once for each flight time, where its peak is.
+
+        A sounding is yielded once, or for each time of its gust if it has one. The flight through
+        a pulse starts at its onset [s], or with the schedule.
+        """
         times = self.request.times(self.plan).tolist()
         for name, wind in self.request.winds(self.plan).items():
             if isinstance(wind, MeasuredWind | MeasuredPlanes):
@@ -323,6 +339,7 @@ class FlightLoop:
             for time in times:
                 vehicle = self.flight.at(time).rigid
                 placed: History | PlaneWind
+                # a wind placed by its peak counts whole: the window of 1 s is not used
                 if self.plan.planes == BOTH:
                     planes = place_vector(wind, vehicle, time, PEAK, 1.0)
                     placed = PlaneWind(**{plane: w.in_flight for plane, w in planes.items()})
@@ -331,14 +348,22 @@ class FlightLoop:
                 yield _Wind(name, time, placed, max(float(placed.onset), self.flight.span[0]))
 
     def _signs(self, wind: FlownWind) -> tuple[str | None, ...]:
-        """Return the directions in which a wind is flown; in both planes it has its own."""
+        """Return the directions in which a wind is flown: head and tail, or the one of the plan.
+
+        None, for the direction of the wind itself, of a measured wind, and of a pulse in yaw or in
+        both planes unless the plan says one.
+        """
         if isinstance(wind, MeasuredWind | MeasuredPlanes):
             return (None,)
         both = self.plan.sign is None and self.plan.planes == "pitch"
         return tuple(SIGNS) if both else (self.plan.sign,)
 
     def _omitted(self, wind: FlownWind) -> str:
-        """Return why survival in a wind is not known throughout, in words; empty if it is."""
+        """Return why survival in a wind is not known throughout, in words; empty if it is.
+
+        A sounding is known between its first and its last level; the flight of the sizing may begin
+        before and end after. A pulse is known throughout.
+        """
         if not isinstance(wind, MeasuredWind | MeasuredPlanes):
             return ""
         (first, last), (low, high) = self.flight.span, wind.known
@@ -361,7 +386,11 @@ def _used(case: _Wind, flown: FlightAlong, times: FloatArray) -> FloatArray:
 
 
 def within_linear_range(flown: FlightAlong) -> FlightAlong:
-    """Return the flight `flown` up to where attitude or angle of attack leaves the linear range."""
+    """Return the flight `flown` up to where attitude or angle of attack leaves the linear range.
+
+    That is `MAX_LINEAR_ANGLE` [rad]; the first time beyond it is the last that is kept. A flight
+    that stays within it, or begins beyond it, is returned unchanged.
+    """
     angles = [np.abs(flown.outputs[name]) for name in ("attitude", "angle_of_attack")]
     beyond = np.flatnonzero(np.max(angles, axis=0) > MAX_LINEAR_ANGLE)
     if not beyond.size or beyond[0] < 1:
@@ -377,7 +406,10 @@ def _or(value: float | None, otherwise: float) -> float:
 
 
 class _Wind(NamedTuple):
-    """Wind in flight time, its name, the time of its peak or gust [s], and its onset [s]."""
+    """Wind in flight time, its name, the time of its peak or gust [s], and its onset [s].
+
+    `time` is None for a sounding without a gust, `start` for every sounding.
+    """
 
     name: str
     time: float | None
@@ -426,7 +458,9 @@ class FlightOutcome(Record):
         """Return the outcome of a flight `flown` through a wind in a direction.
 
         `case`: wind with its name. `sign`: its direction. `omitted`: part of the flight in which
-        the wind is not known, in words; empty where it is known throughout.
+        the wind is not known, in words; empty where it is known throughout. A flight with the
+        status "lost" diverges, one that "rings" oscillates at its end; any other but "survived" is
+        not known, as is survival beyond linear angles.
         """
         survived = {"survived": True, "lost": False, "rings": False}.get(flown.status)
         names = ("deflection", "deflection_rate", "angle_of_attack", "attitude")
@@ -459,7 +493,10 @@ class FlightOutcome(Record):
 
 
 def _severity(outcome: FlightOutcome) -> tuple[int, float]:
-    """Return the key by which outcomes are ordered, the worst last."""
+    """Return the key by which outcomes are ordered, the worst last.
+
+    Survived precedes not known and not survived; then the largest deflection [rad] decides.
+    """
     return {True: 0, None: 1, False: 2}[outcome.survived], outcome.peak_deflection
 
 
@@ -522,7 +559,10 @@ class FlightsOfLoop:
 
     @property
     def fraction(self) -> Success | None:
-        """Fraction of the winds that are survived, with its interval; None for one wind."""
+        """Fraction of the winds that are survived, with its interval; None for one wind.
+
+        A pulse counts once: it is survived if it is at every flight time. Not known counts as no.
+        """
         diverged = {outcome.wind for outcome in self.outcomes if not outcome.survived}
         if self.wind_count < _MIN_WINDS:
             return None

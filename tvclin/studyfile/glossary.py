@@ -108,7 +108,10 @@ def equation_table(s: Study) -> Table:
 
 
 def glossary_table(words: str) -> Table:
-    """Return the symbols and terms that occur in a text `words`, each with its meaning."""
+    """Return the symbols and terms that occur in a text `words`, each with its meaning.
+
+    A symbol occurs as a word of its own, a term as the beginning of a word, small or large.
+    """
     used: list[tuple[Line, ...]] = [
         (_symbols(name), (as_sentence(meaning),))
         for name, meaning in SYMBOLS.items()
@@ -123,6 +126,9 @@ def glossary_table(words: str) -> Table:
 
 
 def _symbols(names: str) -> Line:
-    """Return the line of one symbol, or of several; `names`: the symbols, separated by commas."""
+    """Return the line of one symbol, or of several; `names`: the symbols, separated by commas.
+
+    Of several the first alone is set as a formula.
+    """
     first, *others = (labelled(name)[-1] for name in names.split(", "))
     return (first, *(word for name in others for word in (", ", name)))

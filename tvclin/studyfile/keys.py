@@ -190,7 +190,9 @@ _DEFAULTS = {
 }
 """Defaults of keys that are no fields."""
 _UNIT = re.compile(r" \[[^\]]+\]")
+"""Unit in a docstring, as in "Time of flight [s]"."""
 _SENTENCE = re.compile(r"(?<=[^A-Z])\.(?: |$)")
+"""End of a sentence; a full stop after a capital belongs to a name."""
 
 
 @dataclass(frozen=True)
@@ -276,7 +278,11 @@ def column_tables() -> list[Table]:
 
 
 def _keys(name: str, table: FileTable) -> Iterator[Key]:
-    """Yield the keys of a table, each with help, unit and default; `name`: name of the table."""
+    """Yield the keys of a table, each with help, unit and default; `name`: name of the table.
+
+    A quantity in several units is one key, spelled with the first; angles are shown in degrees. The
+    help is the first sentence on the attribute, without its unit, unless `_HELP` has another.
+    """
     helps: dict[str, str] = {}
     specified: dict[str, Any] = {}
     for record in _RECORDS.get(name, ()):

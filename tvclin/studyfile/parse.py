@@ -103,7 +103,7 @@ def _scheduled_autopilot(
 
     They are the autopilot at the time of the vehicle, and the sizing with the autopilot along the
     flight. `document`: tables of the file; `folder`: where the files that it names are. `subject`,
-    `values`: fields of the plan so far.
+    `values`: fields of the plan so far. `InputError` for a vehicle without a flight time.
     """
     design, sizing = values["design"], values["sizing"]
     if design is None or design.schedule is None:
@@ -156,7 +156,10 @@ def _criteria(table: dict[str, Any]) -> Criteria:
 def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
     """Return the sizing request of a document; None without [schedule] and [size].
 
-    `folder`: where the files that the document names are.
+    `folder`: where the files that the document names are. The first pulse is the wind of the
+    study, which is sized as well; further pulses are the others, and soundings stand by name.
+    `InputError` for two soundings of one name, a sounding without a flight, and two pulses of which
+    one is given by its speed.
     """
     reading = SoundingReading.of(document, folder)
     measured = [
@@ -198,7 +201,9 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
 def _availability(document: Mapping[str, Any], folder: Path) -> AvailabilityRequest | None:
     """Return the availability request of a document; None without [availability].
 
-    `folder`: where the archive that the document names is.
+    `folder`: where the archive that the document names is. The persistence is the increase of the
+    wind between balloon and launch: an angle [rad], or a time in hours, of which `PairGrowth` makes
+    it from pairs of soundings. `InputError` for both, and for an archive that is no path.
     """
     if "availability" not in document:
         return None

@@ -92,8 +92,8 @@ class Question(Record):
     "autopilot", "margins" or "flexible flight"; the answer is None where it is not known, and
     `line` is why.
     `required_deflection` is the required deflection [rad], NaN for a question without one, and
-    `whose` its subject with the verb, in words. `measure` holds the required and the available
-    value: by default `required_deflection` and the limit.
+    `whose` its subject with the verb, in words ("this wind requires"). `measure` holds the required
+    and the available value: by default `required_deflection` and the limit.
     """
 
     name: str = field(metadata=spec())
@@ -237,7 +237,9 @@ def _rate(findings: Findings) -> Question:
     """Return the question whether the rate limit is above the lower bound of every control.
 
     `findings`: results of a plan with a rate limit. In a head wind that governs, yes stands on the
-    dynamic pressure at its peak throughout, too.
+    dynamic pressure at its peak throughout, too. The bounds hold for every control: that of the
+    deflection at this rate, and that of the rate with this limit. `plane_ratio` makes a limit of
+    both planes of one of this plane.
     """
     name, front = "nozzle rate", findings.rates
     if front is None:
@@ -303,12 +305,14 @@ def _load(findings: Findings) -> Question:
 def _flight(findings: Findings) -> Question:
     """Return the question whether the limit covers the total deflection along the flight.
 
-    `findings`: results of a plan with a flight.
+    `findings`: results of a plan with a flight. The total is the largest sum of deflections [rad],
+    that of the wind among them, over the flight times. If the rate limit alone is insufficient, the
+    required rate [rad/s], of a ramp to the deflection of the wind, stands in its place.
     """
     name, request = "whole flight", findings.plan.sizing
     if findings.flight is None or request is None:
         return Question(name, None, (_reason(findings, "flight"),))
-    total = findings.flight[1]
+    _, total = findings.flight  # sizing, and its worst total
     flight = f"the whole flight of {request.source}" if request.source else "the whole flight"
     whose = f"{flight} requires"
     reserve = "; remaining beyond the reserve, which is required too" if total.reserve else ""
@@ -330,9 +334,11 @@ def _flight_rate(findings: Findings) -> Iterator[Question]:
     """Yield the question whether the rate limit covers the required rate along the flight.
 
     `findings`: results of a plan with a flight. Nothing is yielded where the rate alone is
-    insufficient, which the question of the whole flight says.
+    insufficient, which the question of the whole flight says. The rate is that of a ramp to the
+    required deflection; NaN where it is not known, infinite where none is sufficient.
     """
-    total, limit = findings.flight and findings.flight[1], findings.study.limit
+    _, total = findings.flight or (None, None)  # sizing, and its worst total
+    limit = findings.study.limit
     if not total or total.rate_limit is None:
         return
     if total.too_slow and limit is not None and covers(limit, total.required):
@@ -387,7 +393,9 @@ def _availability(findings: Findings, minimum: float) -> Question:
 def _probability(findings: Findings, limit: float) -> Question:
     """Return the question whether a limit [rad] covers the required quantile of dispersed cases.
 
-    `findings`: results of a plan with dispersions.
+    `findings`: results of a plan with dispersions. The quantile has an estimate and, for the
+    confidence of the plan, an upper bound, which is the required deflection [rad]; with too few
+    cases the bound is infinite, and the interval of the success probability may still say no.
     """
     d = findings.dispersed
     if d is None:
@@ -416,7 +424,9 @@ def _probability(findings: Findings, limit: float) -> Question:
 def _autopilot(findings: Findings, limit: float) -> Question:
     """Return the question whether the autopilot survives, flown with the limit as its stop.
 
-    `findings`: results of a plan with an autopilot. `limit`: deflection limit [rad].
+    `findings`: results of a plan with an autopilot. `limit`: deflection limit [rad]. The comparison
+    has the autopilot in the wind without a stop, with its peak deflection, rate and angle of
+    attack; the requirement is the smallest stop [rad] with which its flight survives.
     """
     name, c = "autopilot", findings.comparison
     if c is None:
@@ -458,7 +468,8 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
 
     It is a criterion on the linear loop: where it is not satisfied, limits are reached more often.
     Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
-    bound. `findings`: results of a plan with turbulence. `limit`: deflection limit [rad].
+    bound. `findings`: results of a plan with turbulence. `limit`: deflection limit [rad]. Each pair
+    is the required and the available value, at nominal pressure and at that of the head wind.
     """
     t, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
     if t is None:
@@ -521,8 +532,8 @@ def _at_peak(findings: Findings) -> str:
 def _also(nominal: bool | None, head: bool | None) -> bool | None:
     """Return the answer for both dynamic pressures: yes needs both, no is that at the nominal.
 
-    `nominal`: answer at nominal dynamic pressure. `head`: at the peak of a head wind. None where
-    only the former is yes.
+    `nominal`: answer at nominal dynamic pressure. `head`: at the peak of a head wind throughout,
+    which is an upper bound: no there alone is not known, None.
     """
     return True if nominal and head else None if nominal else nominal
 
@@ -570,7 +581,7 @@ def _along_flight(findings: Findings) -> Iterator[Question]:
     elif "sweep" in reasons:
         yield Question(_OVER_FLIGHT, None, (reasons["sweep"],))
     if flights is not None:
-        words = flights.verdict.partition(" with ")[2]
+        words = flights.verdict.partition(" with ")[2]  # after the outcome, which the answer says
         yield Question(_ALONG_FLIGHT, flights.survived, (f"flown with {words}",))
     elif "flights" in reasons:
         yield Question(_ALONG_FLIGHT, None, (reasons["flights"],))
@@ -598,7 +609,8 @@ def _measured(judgement: Judgement) -> Measure:
 def _flexible(findings: Findings) -> Question:
     """Return the question whether the flexible vehicle survives, flown with the limit.
 
-    `findings`: results of a plan whose vehicle has a structure, with its autopilot.
+    `findings`: results of a plan whose vehicle has a structure, with its autopilot. Outcomes and
+    boundaries, which are smallest limits [rad], are those of the flexible and of the rigid vehicle.
     """
     f = findings.flexible
     if f is None or f.flight is None:
@@ -619,7 +631,7 @@ def _flexible(findings: Findings) -> Question:
 
 
 def _of_angles(required: float, available: float, unit: str = "deg") -> Measure:
-    """Return the measure of required and available angles [rad] or rates [rad/s], in degrees.
+    """Return the measure of `required` and `available` angles [rad] or rates [rad/s], in degrees.
 
     `unit`: unit of the measure, "deg" or "deg/s".
     """

@@ -96,6 +96,7 @@ def _with_altitude(plan: StudyPlan, source: str | PathLike[str]) -> StudyPlan:
     """Return a plan whose turbulence has the altitude of the vehicle in its own flight, if known.
 
     `source`: vehicle of the plan, by name or path. A plan with a flight has the altitudes of that.
+    The plan is unchanged where its turbulence needs no altitude, and where that is not known.
     """
     request, time = plan.turbulence, getattr(plan.vehicle, "time", None)
     if request is None or not request.needs_altitude or plan.sizing is not None or time is None:
@@ -189,6 +190,7 @@ def _flight_of_a_vehicle(
     """Return the plan of the flight of a vehicle, or of a schedule, with keys set.
 
     `source`: name or path of the vehicle or schedule. `winds`: soundings of the flight by name.
+    The wind of the plan counts as a pulse unless soundings stand in the place of the default wind.
     """
     from tvclin.ascent.schedule_file import load_schedule
 

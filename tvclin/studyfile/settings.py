@@ -219,7 +219,9 @@ def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> st
 def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
     """Return tables with keys set; `InputError` where two of the keys exclude each other.
 
-    `tables`: those of a file, which are changed. `settings`: keys and values.
+    `tables`: those of a file, which are changed. `settings`: keys and values. Two
+    exclude each other where the later removes the key of the earlier. [plant] and [controller],
+    which have a single key, are removed with it.
     """
     for setting in settings:
         with naming(f"--set {setting.key}"):
@@ -236,7 +238,12 @@ def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
 
 
 def _put(tables: dict[str, Any], setting: Setting) -> None:
-    """Set the key of a setting in tables, or remove it, its row or its table."""
+    """Set the key of a setting in tables, or remove it, its row or its table.
+
+    A key is TABLE.KEY, in a repeated table TABLE.ROW.KEY, and of a filter autopilot.filter.ROW.KEY;
+    a table or a row takes no value but the one that removes it, None. A table that the file has not
+    is made, with the keys that it is assumed to have. `InputError` for a key of another form.
+    """
     (name, *rest), value = setting.parts, setting.value
     if not rest:
         if value is not None:
@@ -309,7 +316,7 @@ def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None
     """Return the index of a row by its number or name; None where a key stands in their place.
 
     `rows`: rows of the table `name`. `rest`: parts of the key after that name, number or name
-    first.
+    first. An unknown name begins a row of [[dispersion]], and is refused in other tables.
     """
     label, first = _ROWS.get(name, ""), rest[0]
     names = [str(row.get(label, "")) for row in rows] if label else []
@@ -338,7 +345,10 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
     """Set or remove a key of a table, checked; other spellings of the quantity are removed.
 
     `table`: keys of the table `name`. `entry`: the table of the file, which is changed. `value`:
-    new value; None removes the key.
+    new value; None removes the key. Keys of quantities that exclude this one are removed too. A
+    text with commas becomes a list, and a number becomes a text, where the table takes that.
+    `InputError` for a key that is not of the table, unless its keys are free: those of a flight in
+    [schedule], and spreads in the unit of their parameter.
     """
     free = name == "schedule" or (name == "dispersion" and key.startswith("spread"))
     if not free and key not in table.every_key:
@@ -346,9 +356,9 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
     if key in table.keys and value is not None:
         number(key, value)
     quantity = _quantity(table, key)
-    excluded, groups = {quantity}, _ALTERNATIVES.get(name, ((), ()))
-    if value is not None and quantity in (*groups[0], *groups[1]):
-        excluded |= set(groups[quantity in groups[0]])
+    excluded, (first, second) = {quantity}, _ALTERNATIVES.get(name, ((), ()))
+    if value is not None and quantity in (*first, *second):
+        excluded |= set(second if quantity in first else first)
     if value is not None and (name, key) == ("wind", SOUNDING):
         excluded |= set(_PULSE)
     for excluded_key in [
@@ -368,11 +378,12 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
 
 def _quantity(table: FileTable, key: str) -> str:
     """Return the quantity of a key in a table, the key without its unit."""
-    return table.keys.get(key, (key,))[0]
+    quantity, *_ = table.keys.get(key, (key,))  # with its factor to SI; a word has no unit
+    return quantity
 
 
 def _exists(tables: Mapping[str, Any], setting: Setting) -> bool:
-    """Return whether the key of a setting is in the tables."""
+    """Return whether the key of a setting is in the tables, in any row of a repeated one."""
     key, entry = setting.parts[-1], tables.get(setting.parts[0])
     rows = entry if isinstance(entry, list) else [entry]
     if setting.parts[0] == "autopilot" and len(setting.parts) > 2:

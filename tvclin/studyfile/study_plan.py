@@ -140,7 +140,10 @@ class StudyPlan(Case):
         self._check_parts()
 
     def _check_parts(self) -> None:
-        """Raise `InputError` for requests of another type; their modules are imported on use."""
+        """Raise `InputError` for requests of another type; their modules are imported on use.
+
+        Criteria of modes also need a vehicle with bending or slosh.
+        """
         if self.document is not None:
             instance("document", self.document, Document, "for the head of the page")
         names = ("laws", "criteria", "dispersions", "sizing", "availability", "load", "turbulence")

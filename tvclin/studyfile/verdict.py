@@ -31,7 +31,9 @@ def sentence(findings: Findings) -> Line:
     """Return the verdict on findings as a sentence: the first line of commands and of the page.
 
     It compares the limit with the largest requirement, or has the first answer that is not yes, and
-    names the other questions whose answer is not yes.
+    names the other questions whose answer is not yes. No precedes not known, and not known precedes
+    yes: only questions of the first of these answers are compared. Without a limit and without a no
+    it states the required deflection.
     """
     limit, answers = findings.study.limit, questions(findings)
     failed = [question for question in answers if question.yes is False]
@@ -59,7 +61,8 @@ def _answered(question: Question, limit: float | None) -> Line:
     if measure is not None and question.whose and np.isnan(question.required_deflection):
         required, available = measured("verdict", measure)[:2]
         return (f"{question.answer}: {question.whose} ", *required, " and has ", *available)
-    words = question.text.partition("; ")[0].rstrip(".").replace(f": {question.answer}", "")
+    first_reason = question.text.partition("; ")[0].rstrip(".")
+    words = first_reason.replace(f": {question.answer}", "")  # the sentence begins with the answer
     line: Line = (f"{question.answer}: {words}",)
     if limit is None:
         return line
@@ -136,7 +139,11 @@ def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
 
 
 def basis(findings: Findings) -> Line:
-    """Return the line on the basis of the verdict in findings: model, plane, dead band and wind."""
+    """Return the line on the basis of the verdict in findings: model, plane, dead band and wind.
+
+    What sets the required deflection stands here only where no table of questions has it. Warnings,
+    the whole flight and the dispersions follow if they bear on the verdict.
+    """
     s = findings.study
     line: Line = (
         f"The verdict is that of the {s.model} model in {_planes(s)}, with a dead band of K = ",
@@ -151,7 +158,7 @@ def basis(findings: Findings) -> Line:
     if (
         s.required_deflection
         and s.governs != Reason.BOUNDARY
-        and len(questions_table(findings).rows) < 2
+        and len(questions_table(findings).rows) < 2  # a table of one row is not shown
     ):
         line += (f" The required deflection is set by {s.governs}.",)
     if any(TRUSTS in note for note in s.notes):
@@ -202,7 +209,11 @@ def _judged_wind(s: Study) -> ShapedWind:
 
 
 def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
-    """Return the numbers of findings shown with the verdict, each with its label."""
+    """Return the numbers of findings shown with the verdict, each with its label.
+
+    The survived peak [rad] is the smaller of two: that of the limit alone, and that which the
+    autopilot survives, flown with the limit. In both planes it is that of the vector of the wind.
+    """
     s = findings.study
     rows: list[tuple[str, Line]] = []
     if len(questions_table(findings).rows) < 2:  # else it is one of its rows
