@@ -204,24 +204,40 @@ def test_calls_alike_are_worth_together_what_one_is_not(monkeypatch):
     assert choice.fastest(small_roots, 0.01) is small_roots
 
 
-def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatch):
-    monkeypatch.setattr(choice, "_is_cached", lambda function: True)
+@pytest.fixture
+def imported(monkeypatch):
+    """Return a set that is empty in a process without numba; names what loads machine code."""
+    names = set()
+
+    def machine_code(function):
+        names.add("numba")
+        return "compiled"
+
     monkeypatch.setattr(choice, "available", lambda: True)
-    monkeypatch.setattr(choice, "machine_code", lambda function: "compiled")
+    monkeypatch.setattr(choice, "machine_code", machine_code)
+    monkeypatch.setattr(choice, "_is_imported", lambda: bool(names))
+    return names
+
+
+def test_a_command_loads_machine_code_once_all_its_calls_are_worth_it(monkeypatch, imported):
+    monkeypatch.setattr(choice, "_is_cached", lambda function: True)
     plain = [small_roots, small_roots, small_roots]
-    for _ in range(2):  # each command by itself
+    for _ in range(2):  # in each process
+        imported.clear()
         with choice.in_a_command():
             assert [choice.fastest(small_roots, 0.13) for _ in range(4)] == [*plain, "compiled"]
             assert choice.fastest(small_roots, 0.001) == "compiled"  # it is loaded
             assert choice.fastest(switches, 0.001) is switches
             assert choice.fastest(switches, 0.03) == "compiled"  # numba is imported
     assert choice.fastest(small_roots, 0.13) == "compiled"
+    with choice.in_a_command():  # of a process in which numba is imported
+        assert choice.fastest(small_roots, 0.03) == "compiled"
 
 
-def test_a_command_loads_machine_code_for_short_calls_that_together_are_worth_it(monkeypatch):
+def test_a_command_loads_machine_code_for_short_calls_that_together_are_worth_it(
+    monkeypatch, imported
+):
     monkeypatch.setattr(choice, "_is_cached", lambda function: True)
-    monkeypatch.setattr(choice, "available", lambda: True)
-    monkeypatch.setattr(choice, "machine_code", lambda function: "compiled")
     with choice.in_a_command():
         calls = [choice.fastest(small_roots, 0.009) for _ in range(4)]
         assert calls == [small_roots] * 4  # too little work for the import
@@ -232,13 +248,14 @@ def test_a_command_loads_machine_code_for_short_calls_that_together_are_worth_it
     assert choice.fastest(switches, 0.009) is switches
 
 
-def test_commands_compile_a_kernel_once_their_calls_come_to_two_seconds(monkeypatch, tmp_path):
+def test_commands_compile_a_kernel_once_their_calls_come_to_two_seconds(
+    monkeypatch, tmp_path, imported
+):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(choice, "_cached", set())
-    monkeypatch.setattr(choice, "available", lambda: True)
-    monkeypatch.setattr(choice, "machine_code", lambda function: "compiled")
 
     def command():
+        imported.clear()
         with choice.in_a_command():
             return [choice.fastest(small_roots, 0.45) for _ in range(2)]
 
@@ -250,6 +267,7 @@ def test_commands_compile_a_kernel_once_their_calls_come_to_two_seconds(monkeypa
     (sums,) = tmp_path.rglob("*.seconds")
     sums.write_text("damaged")
     assert command() == plain
+    imported.clear()
     with choice.in_a_command():  # too little work of the command for the import
         assert choice.fastest(small_roots, 0.3) is small_roots
     assert float(sums.read_text()) == 0.9

@@ -2,9 +2,9 @@
 
 Machine code needs numba (extra `fast`), some ten seconds per kernel to compile for the first time
 on a computer, and half a second to load from then on. It is chosen where the work of the call, or
-of all similar calls, is worth that, independently of earlier calls; in a command also where an
-earlier call has loaded it, and where the calls of all commands together are worth compiling. The
-callers of kernels do not depend on the choice.
+of all similar calls, is worth that, independently of earlier calls; in a command also where numba
+is imported already, and where the calls of all commands together are worth compiling. The callers
+of kernels do not depend on the choice.
 
 Machine code runs in threads, each with slices of the cases.
 """
@@ -136,9 +136,7 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
         earlier = 0.0 if command is None else command.by_kernel.get(function, 0.0)
         compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
         loads = (
-            command is None
-            or bool(command.loaded)
-            or command.seconds + total > _MIN_IMPORTING_SECONDS
+            command is None or _is_imported() or command.seconds + total > _MIN_IMPORTING_SECONDS
         )
         compiled = compile_now or (
             loads
@@ -265,6 +263,11 @@ def available() -> bool:
 def _installed() -> bool:
     """Return whether numba is installed."""
     return find_spec("numba") is not None
+
+
+def _is_imported() -> bool:
+    """Return whether this process has imported numba, so that loading machine code is quick."""
+    return "numba" in sys.modules
 
 
 def compiling_disabled() -> bool:
