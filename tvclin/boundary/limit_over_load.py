@@ -232,7 +232,7 @@ class LoadTradeOff(TradeOff):
             more = ", more than this load" * self.requires_forecast
             yield f"a {FORECAST_FREE} bears {half:.4g} deg at least{more}"
         if np.any(self.limits > self.lower_bounds * (1.0 + 2.0 * RELATIVE_GAP)):
-            gaps = 1.0 - self.lower_bounds / np.maximum(self.limits, 1e-300)
+            gaps = 1.0 - self.lower_bounds / np.maximum(self.limits, 1e-300)  # not zero
             worst, at = np.max(gaps), np.degrees(self.loads[np.argmax(gaps)])
             percent = f"{100.0 * worst:.2g} percent"
             yield f"the limits are proved to {percent}, that at {at:.4g} deg least"
@@ -242,9 +242,12 @@ class LoadTradeOff(TradeOff):
 class LoadLimits:
     """A case, with points (load, peak) [rad] that are attained, and lines (bound, slope) below.
 
-    `minimum_deflection`: lower bound [rad] of the limit at any load. `program`: linear program on
-    the first nodes. `no_forecast`: lower bound [rad] without a forecast, or None. A line says that
-    no deflection has a peak below bound - slope load.
+    The peak is that of a deflection, and the load the largest ``|alpha + M delta|`` under it; the
+    minimum peak is convex over the load. `case`: plant and wind with M (`ratio`), rate limit, and
+    the deflection of minimum peak at any load, the `reference`. `minimum_deflection`: lower bound
+    [rad] of the limit at any load. `program`: linear program on the first nodes. `no_forecast`:
+    lower bound [rad] without a forecast, or None. A line says that no deflection has a peak below
+    bound - slope load.
     """
 
     case: LoadCase
@@ -269,7 +272,7 @@ class LoadLimits:
 
     @cached_property
     def load_of_minimum(self) -> float:
-        """Load [rad] of the reference deflection."""
+        """Load [rad] of the reference deflection, that of minimum peak at any load."""
         return float(np.abs(self.program.reference_load).max())
 
     @cached_property
@@ -302,7 +305,11 @@ class LoadLimits:
 
     @cached_property
     def _minimum_load(self) -> tuple[float, float]:
-        """Minimum load [rad] of controls on successively finer nodes, and its lower bound [rad]."""
+        """Minimum load [rad] of controls on successively finer nodes, and its lower bound [rad].
+
+        The line (bound, slope) of a program, peak >= bound - slope load, gives the lower bound, for
+        no peak is above `_MAX_DEFLECTION`.
+        """
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf
         for _ in range(5):
@@ -323,11 +330,16 @@ class LoadLimits:
     @property
     def no_forecast_load(self) -> float:
         """Smallest load [rad] if the wind stops at its peak: half a jump of that size."""
+        # with M a deflection can jump with the wind and take part of the load
         half_jump = 0.0 if self.case.ratio else abs(float(self.case.wind.peak)) / 2.0
         return max(half_jump, self.load_floor)
 
     def points_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
-        """Return limit, lower bound [rad] and slope at each of `loads` [rad], outer ones first."""
+        """Return limit [rad], lower bound [rad] and slope at each of `loads` [rad], in their order.
+
+        The outer loads are computed first, then those in the middle of computed ones: mixtures of
+        their controls often suffice for the loads between.
+        """
         order, pending = np.argsort(loads, kind="stable"), [(0, loads.size - 1)]
         positions = [0, loads.size - 1]
         for low, high in pending:  # which grows
@@ -363,7 +375,12 @@ class LoadLimits:
         return self._attained(load), *self._proved(load)
 
     def _refine(self, load: float, program: LoadProgram) -> bool:
-        """Add controls of about a `load` [rad], from a `program` on; return whether they exist."""
+        """Add controls of about a `load` [rad], from a `program` on; return whether they exist.
+
+        Each program is solved on the finer nodes of the one before. Between its nodes a control
+        exceeds the load bound, so that the bound of the next program is lower by a fraction of
+        that.
+        """
         bound = load
         for fraction in _EXCESS_FRACTIONS:
             limit, (proof, _) = self._attained(load), self._proved(load)
@@ -381,14 +398,22 @@ class LoadLimits:
         return True
 
     def _attained(self, load: float) -> float:
-        """Return the minimum peak [rad] of a mixture of computed controls, within a load [rad]."""
+        """Return the minimum peak [rad] of a mixture of computed controls, within a load [rad].
+
+        Controls with more and with less load are mixed linearly, as the load is convex in them;
+        infinite without a control with less.
+        """
         below = [(a, d) for a, d in self.points if a <= load]
         above = [(a, d) for a, d in self.points if a > load]
+        # loads a, b and peaks d, e of two controls
         mixed = [d + (load - a) / (b - a) * (e - d) for a, d in below for b, e in above]
         return min([d for _, d in below] + mixed, default=np.inf)
 
     def _proved(self, load: float) -> tuple[float, float]:
-        """Return the largest lower bound [rad] of the peak at a load [rad], and its slope."""
+        """Return the largest lower bound [rad] of the peak at a load [rad], and its slope.
+
+        The slope is the decrease of the bound per load; zero for the minimum deflection.
+        """
         bounds = [(bound - slope * load, slope) for bound, slope in self.lines]
         return max([*bounds, (self.minimum_deflection, 0.0)])
 
@@ -398,7 +423,7 @@ class LoadLimits:
             return np.inf
         if limit is None or limit >= self._attained(self.minimum_load):
             return self.minimum_load
-        free, constant = self._responses
+        free, constant = self._responses  # without control, and per constant deflection
         low = max(float(np.max(np.abs(free) - limit * constant)), self.minimum_load)
         load = max(low, _MIN_START_LOAD * self.load_of_minimum)
         for _ in range(6):  # Newton steps from below, along tangents
@@ -406,13 +431,18 @@ class LoadLimits:
             if proof - limit <= RELATIVE_GAP * limit or not slope:
                 break
             load += (proof - limit) / slope
+        # mixtures of controls with loads a, b and peaks d, e, above and within the limit
         above = [(a, d) for a, d in self.points if d > limit]
         below = [(a, d) for a, d in self.points if d <= limit]
         mixed = [b + (limit - e) / (d - e) * (a - b) for a, d in above for b, e in below]
         return min([a for a, _ in below] + mixed, default=np.inf)
 
     def set_by(self, load: float, limit: float) -> str:
-        """Return the label of the condition that sets a `limit` [rad] at a bound `load` [rad]."""
+        """Return the label of the condition that sets a `limit` [rad] at a bound `load` [rad].
+
+        One of the minimum angle at any load, turning into the wind in time, and both together; or
+        the minimum load, where no limit is sufficient.
+        """
         if load < self.load_floor:
             return LEAST_LOAD
         floors = {ANGLE: self.minimum_deflection, TURN: self._limit_of_turning(load)}
@@ -431,7 +461,12 @@ class LoadLimits:
 
     @cached_property
     def _responses(self) -> tuple[FloatArray, FloatArray]:
-        """Angle of attack [rad] without control, and its largest change by a unit deflection."""
+        """Angle of attack [rad] without control, and its largest change by a unit deflection.
+
+        Both at 1000 times in the wind, ``(1000,)``. The change [rad/rad] is the largest up to each
+        time by a constant deflection from the onset on; infinite where it is zero, to be divided
+        by.
+        """
         case, start = self.case, float(self.case.wind.onset)
         times = np.linspace(start, float(case.wind.end), 1001)[1:]
         unit, calm = ConstantDeflection(limit=1.0, start=start), 0.0 * case.wind
@@ -566,6 +601,7 @@ def load_trade_off(
         load_bounds = angle("loads", errors.one_row("loads", loads, "rad"), "rad")
     case = load_limits(plant, wind, M, rate)
     if loads is None:
+        # ten loads, from a little above the minimum load on
         low, high = max(1.05 * case.minimum_load, 0.2 * case.load_of_minimum), case.load_of_minimum
         load_bounds = np.linspace(min(low, high), high, 10)
         if load_limit is not None:

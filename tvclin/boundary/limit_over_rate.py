@@ -76,7 +76,7 @@ def point_table(caption: str, trade_off: TradeOff, *rows: tuple[str, str, str]) 
     """Return the table of lower bound, available and remaining quantity of a nozzle, in degrees.
 
     `caption`: above the table. `trade_off`: record of the quantities. `rows`: names of its fields
-    for these three columns, of each row.
+    for these three columns, of each row. A row is headed by the label of its available quantity.
     """
     labels = columns(trade_off, *(available for _, available, _ in rows))
     shown = tuple(
@@ -105,10 +105,11 @@ def ramped_deflection(
 ) -> FloatArray:
     """Return the minimum deflection [rad] under limits of rate and acceleration, of one pole.
 
-    `minimum`: d0 [rad], the minimum deflection at any rate, positive. `pole`: the unstable pole p
-    [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which broadcast with
-    `minimum`; both may be infinite. Returned: d of d0 = d f(p d/v) f(p v/c), f(x) = (1 - e^-x)/x, v
-    = min(r, sqrt(c d)); infinite where no deflection is sufficient.
+    The motion is a ramp at the full rate and then a constant d, whose mean with the weight p e^(-p
+    t) must be d0. `minimum`: d0 [rad], the minimum deflection at any rate, positive. `pole`: the
+    unstable pole p [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which
+    broadcast with `minimum`; both may be infinite. Returned: d of d0 = d f(p d/v) f(p v/c), f(x) =
+    (1 - e^-x)/x, v = min(r, sqrt(c d)); infinite where no deflection is sufficient.
     """
     d0, r, c = np.broadcast_arrays(
         *(np.asarray(x, dtype=float) for x in (minimum, rate, acceleration))
@@ -134,6 +135,7 @@ def ramp_rate(minimum: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> Flo
     from scipy.special import lambertw
 
     d0, p, d = np.broadcast_arrays(*(np.asarray(x, float) for x in (minimum, pole, deflection)))
+    # with a = d/d0, x = a (1 - e^-x), whose solution is x = a + W(-a e^-a)
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.maximum(d / d0, 1.0)
         x = ratio + np.real(lambertw(-ratio * np.exp(-ratio)))
@@ -238,7 +240,11 @@ class RateTradeOff(TradeOff):
 
     @property
     def _sufficient_with_forecast(self) -> bool:
-        """Whether the nozzle's point is on the trade-off with the wind known, or above."""
+        """Whether the nozzle's point is on the trade-off with the wind known, or above.
+
+        It is if a point of the trade-off has neither a larger rate nor a larger limit. A limit or a
+        rate limit of None is no limit.
+        """
         fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
         can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
         free = self.rate_limit is None and limit is not None and self.minimum_deflection < limit
@@ -246,12 +252,16 @@ class RateTradeOff(TradeOff):
 
     @property
     def bound_text(self) -> str:
-        """The lower bound of the limit at the nozzle's rate, in words."""
-        wind_known, at = self.minimum_deflection, ""
+        """The lower bound of the limit at the nozzle's rate, in words.
+
+        It is the larger of two: the minimum deflection with the wind known, and the bound without a
+        forecast. The text names the one that it is.
+        """
+        minimum, at = self.minimum_deflection, ""  # [rad], with the wind known
         if self.rate_limit is not None:
             here = self.limits[self.rates == self.rate_limit]
-            wind_known, at = float(here[0]) if here.size else np.nan, " at this rate limit"
-        name = WIND_KNOWN if self.lower_bound <= wind_known * (1.0 + _ROUNDING) else NO_FORECAST
+            minimum, at = float(here[0]) if here.size else np.nan, " at this rate limit"
+        name = WIND_KNOWN if self.lower_bound <= minimum * (1.0 + _ROUNDING) else NO_FORECAST
         return lower_bound_text(name, self.lower_bound, at)
 
     @property
@@ -381,9 +391,11 @@ def rate_trade_off(
 class _Case:
     """A plant in a wind, from its onset on: its conditions and minimum deflections.
 
-    `constraints`: of every unstable mode on the deflection. `unlimited`: deflection of minimum peak
-    at any rate. `acceleration`: its limit [rad/s2]; infinite if none. `no_forecast`: lower bound
-    [rad] without a forecast, at any rate; None for a wind that changes its sign.
+    `constraints`: of every unstable mode on the deflection, the integral of e^(-p t) delta dt from
+    the onset on being its demand [rad s] for each of `constraints.poles` p. `unlimited`: deflection
+    of minimum peak at any rate. `acceleration`: its limit [rad/s2]; infinite if none.
+    `no_forecast`: lower bound [rad] without a forecast, at any rate; None for a wind that changes
+    its sign.
     """
 
     wind: History
@@ -404,13 +416,22 @@ class _Case:
 
     @property
     def fast_deflection(self) -> float:
-        """Minimum deflection [rad] for the condition of the fastest pole."""
+        """Minimum deflection [rad] for the condition of the fastest pole p, at any rate.
+
+        The condition is on the integral of e^(-p t) delta dt, its demand [rad s]; a constant
+        deflection satisfies it with p times the demand.
+        """
         demands = self.constraints.demands
         return self.pole * abs(float(demands[0])) if demands.size else 0.0
 
     @property
     def minimum_rate(self) -> float:
-        """Rate [rad/s] that must be exceeded; `InputError` for too low an acceleration."""
+        """Rate [rad/s] that must be exceeded; `InputError` for too low an acceleration.
+
+        An endless ramp at the rate r has the mean r/p with the weight p e^(-p t), p being the
+        fastest pole, so that r > p d0 for the minimum deflection d0 at any rate; an acceleration
+        limit c delays it, and r > -(c/p) ln(1 - p^2 d0/c).
+        """
         p, c = self.pole, self.acceleration
         if self.minimum > 0.0 and c <= p**2 * self.fast_deflection:
             raise errors.InputError(
@@ -423,7 +444,10 @@ class _Case:
 
     @cached_property
     def deflection(self) -> Callable[[float], float]:
-        """Minimum deflection [rad] at a rate limit, the wind known; infinite if none suffices."""
+        """Minimum deflection [rad] at a rate limit, the wind known; infinite if none suffices.
+
+        Function of the rate limit [rad/s], which computes each rate once.
+        """
         return cache(self._deflection)
 
     def _deflection(self, rate: float) -> float:
@@ -442,7 +466,10 @@ class _Case:
         return float(ramped_deflection(self.fast_deflection, self.pole, rate, self.acceleration))
 
     def no_forecast_limit(self, rate: float) -> float:
-        """Return the lower bound [rad] without a forecast, at a `rate` [rad/s]; else zero."""
+        """Return the lower bound [rad] without a forecast, at a `rate` [rad/s].
+
+        Zero for a wind that changes its sign, which has none.
+        """
         return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
 
     def lower_bound(self, rate: float | None) -> float:
@@ -461,7 +488,7 @@ class _Case:
         if limit is None or self.minimum == 0.0:
             return lowest if limit is None else 0.0
         lowest = lowest or self.pole * self.minimum
-        single_pole_rate = _minimum_rate(
+        single_pole_rate = _minimum_rate(  # of the fastest pole alone
             lambda r: max(self.single_pole_deflection(r), self.no_forecast_limit(r)), limit, lowest
         )
         largest = limit * (1.0 + _RELATIVE_TOLERANCE)
@@ -489,6 +516,7 @@ class _Case:
         worth = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)
         demand = q * demands[1] * np.sign(demands[0])
         later = (-np.expm1(-q * d / v) - demand / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
+        # t is after the first motion, and so late that e^(-p t) does not count for the fast pole
         return bool(0.0 <= later <= np.exp(-q * (d / v + v / c)) and later ** (p / q) < _NEGLIGIBLE)
 
 
@@ -503,9 +531,9 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
     if deflection(_MAX_RATE_RATIO * lowest) > limit:
         return np.inf
 
-    def excess(times: float) -> float:
-        """Return the excess over 1/limit of 1/deflection at `lowest` e^`times`."""
-        return 1.0 / deflection(float(np.exp(times)) * lowest) - 1.0 / limit
+    def excess(exponent: float) -> float:
+        """Return 1/deflection - 1/limit [1/rad] at the rate `lowest` e^`exponent`; it rises."""
+        return 1.0 / deflection(float(np.exp(exponent)) * lowest) - 1.0 / limit
 
     if excess(_NEGLIGIBLE) >= 0.0:
         return lowest
@@ -530,7 +558,8 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
 def no_forecast_deflection(plant: Plant, wind: History) -> float | None:
     """Return the lower bound [rad] without a forecast, as `forecast_free_limit`, of one plant.
 
-    Zero without a real fastest unstable pole; None for a wind that changes its sign.
+    It is that of every law that must survive a stop of the wind at any instant. Zero without a real
+    fastest unstable pole; None for a wind that changes its sign.
     """
     poles = unstable_poles(plant)
     if not wind.constant_sign:

@@ -237,6 +237,7 @@ class PolygonShape(LimitShape):
                 f" array of shape {c.shape}"
             )
         size = errors.within("the largest of corners", np.abs(c).max(), *_RATIO_RANGE)
+        # counterclockwise: twice the signed area is positive
         c = c if scalar_product(1j * c, np.roll(c, -1)).sum() > 0.0 else c[::-1]
         edges = (np.roll(c, -1) - c) / size
         turns = scalar_product(1j * edges, np.roll(edges, -1))
@@ -268,7 +269,10 @@ class PolygonShape(LimitShape):
 
     @cached_property
     def normals(self) -> Vectors:
-        """Outward normals of the edges, complex, over their distance from zero, ``(n,)``."""
+        """Outward normals of the edges, complex, over their distance from zero, ``(n,)``.
+
+        A vector v is on edge k where its scalar product with normal k is one.
+        """
         outward = -1j * (np.roll(self.corners, -1) - self.corners)
         return np.asarray(outward / scalar_product(outward, self.corners))
 
@@ -279,16 +283,21 @@ class PolygonShape(LimitShape):
     def gauge(self, vector: ArrayLike) -> FloatArray:
         """Return the gauge of each complex `vector`: the scale of the polygon that contains it."""
         v = vectors("vector", vector)
+        # the edge that the ray along v meets; its normal is over its distance from zero
         return scalar_product(self.normals[_sector(self.corners, v)], v)
 
     def farthest(self, direction: ArrayLike) -> Vectors:
         """Return the corner that is furthest along each `direction`, a complex vector."""
         d = vectors("direction", direction)
+        # edge k goes from corner k to corner k + 1, which is furthest up to the next normal
         return np.asarray(np.roll(self.corners, -1)[_sector(self.normals, d)])
 
 
 def _vertices(corners: Vectors) -> Vectors:
-    """Return the vertices of a convex polygon: `corners` that are not repeated and on no edge."""
+    """Return the vertices of a convex polygon: `corners` that are not repeated and on no edge.
+
+    A corner is removed where the edges do not turn to the left; the rest is tested again.
+    """
     corners = corners[corners != np.roll(corners, -1)]
     while True:
         edges = np.roll(corners, -1) - corners
@@ -299,7 +308,10 @@ def _vertices(corners: Vectors) -> Vectors:
 
 
 def _sector(rays: Vectors, vector: Vectors) -> IndexArray:
-    """Return the index of the last of `rays`, in order around zero, before each `vector`."""
+    """Return the index of the last of `rays`, in order around zero, before each `vector`.
+
+    Both complex. The order is by angle from the first ray, and a parallel ray counts as before.
+    """
     turns = np.cumsum(np.angle(rays[1:] / rays[:-1]))  # back by rounding where two are parallel
     angles = np.maximum.accumulate(np.append(0.0, turns))
     beyond_first = np.angle(vector / rays[0]) % (2.0 * np.pi)
@@ -465,7 +477,11 @@ class Cluster(LimitShape):
         )
 
     def support(self, direction: ArrayLike) -> FloatArray:
-        """Return the support of the mean deflection along each `direction`, a complex vector."""
+        """Return the support of the mean deflection along each `direction`, a complex vector.
+
+        That of the moving engines, plus the scalar product with the mean deflection of the stuck
+        ones. With roll held it is the minimum over the multiplier rho of the roll moment.
+        """
         d = vectors("direction", direction)
         bias, roll = self._stuck
         free = self._sum(d, np.zeros(d.shape))
@@ -527,9 +543,12 @@ class Cluster(LimitShape):
         return bias, roll if self.hold_roll else 0.0
 
     def _rolls(self, sign: float) -> float:
-        """Return the largest roll moment of a `sign`, normalised as in `_stuck`; zero if free."""
-        still = np.zeros((), dtype=complex)
-        return float(self._sum(still, np.asarray(sign))) if self.hold_roll else 0.0
+        """Return the largest roll moment of the moving engines with a `sign`; zero if roll is free.
+
+        Normalised by the total thrust and the largest distance from the axis, as in `_stuck`.
+        """
+        no_direction = np.zeros((), dtype=complex)
+        return float(self._sum(no_direction, np.asarray(sign))) if self.hold_roll else 0.0
 
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
         """Return the sum over moving engines of s_j h_j(d + rho a_j), in the shape of d and rho.

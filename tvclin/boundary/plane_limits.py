@@ -84,16 +84,19 @@ def vector_requirement(
 ) -> float:
     """Return the limit [rad] of the control in both planes with exit on trim, or `separate`.
 
-    `pair`: plants and wind. `K`: dead band. `separate`: limit [rad] of the rectangle of both
-    planes' separate requirements, returned if it is larger. The minimum of both and their bound
-    without a forecast do not exceed it, and are not computed. `InputError` where `plane_limit`
-    raises it.
+    The control trims both planes until the gauge of trim is K times the limit, and then deflects by
+    a constant vector. It is the boundary limit, or with more than one unstable pole and 0 < K < 1
+    the largest limit that diverges after trim. `pair`: plants and wind. `K`: dead band. `separate`:
+    limit [rad] of the rectangle of both planes' separate requirements, returned if it is larger.
+    The minimum of both and their bound without a forecast do not exceed it, and are not computed.
+    `InputError` where `plane_limit` raises it.
     """
     if _scalar_case(pair) is not None:  # the planes are one along it
         return separate
     _check_turning(pair, K)
     shape = limit_shape if K == 0.0 else limit_shape.inside
-    limit = max(separate, float(shape.gauge(_dead_band_exit(pair, shape, K, literal=True)[0])))
+    deflection, *_ = _dead_band_exit(pair, shape, K, literal=True)
+    limit = max(separate, float(shape.gauge(deflection)))
     if K in (0.0, 1.0) or max(poles.size for poles in pair.poles) == 1:
         return limit
     return _requirement_after_trim(pair, limit_shape.inside, K, True, limit)
@@ -152,6 +155,7 @@ def _turning_requirement(
     without a forecast [rad]. `warning`: note where the minimum is the requirement.
     """
     shape = limit_shape if K == 0.0 else limit_shape.inside
+    # `inside` is the shape, or of a cluster a polygon in it, whose gauge takes no search
     deflection, time, status = _dead_band_exit(pair, shape, K, literal)
     notes = [] if status == OK else [status]
     if K > 0.0:
@@ -185,13 +189,15 @@ def _requirement_after_trim(
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
-    driver = pair.trim if literal else pair.moment_driver
+    driver = pair.trim if literal else pair.moment_driver  # [rad], whose gauge decides the exit
     times = pair.times()
     heights = np.asarray(limit_shape.gauge(driver(times)))
     limit = float(max(heights.max(), limit_shape.gauge(pair.trim(times)).max()))
 
-    def demand(limit: float, sufficient: float, solved: bool) -> float:
+    def trimmed_minimum(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
+
+        Trim ends where the gauge of the driver first reaches K L.
 
         The bound, of separate planes, is taken if it is `sufficient` [rad] or m is not `solved`.
         """
@@ -215,16 +221,20 @@ def _requirement_after_trim(
             return rectangle
         return minimum_in_planes(pair, limit_shape, t).peak
 
-    limit = max(limit, demand(heights.max() / K * (1.0 + _RELATIVE_TOLERANCE), limit, False))
+    limit = max(
+        limit, trimmed_minimum(heights.max() / K * (1.0 + _RELATIVE_TOLERANCE), limit, False)
+    )
     for solved in (False, True):
         while limit > minimum:
             lowest = max(K * limit, minimum)
-            below = max(demand(limit, lowest, solved), lowest)
+            below = max(trimmed_minimum(limit, lowest, solved), lowest)
             if below > limit * (1.0 - _RELATIVE_TOLERANCE):
                 break
             limit = below
             close = limit <= minimum * (1.0 + _RELATIVE_RANGE)
-            if close and demand(minimum, minimum, solved) <= minimum * (1.0 + _RELATIVE_TOLERANCE):
+            if close and (
+                trimmed_minimum(minimum, minimum, solved) <= minimum * (1.0 + _RELATIVE_TOLERANCE)
+            ):
                 return minimum
     return max(limit, minimum)
 
@@ -271,6 +281,7 @@ def _unidirectional_requirement(
     requirements = {name: float(size) for name, size in required.items()}
     direction = complex(unit_vector(pair.wind.direction))
     deflection = boundary.deflection * direction
+    # of an asymmetric shape the wind's opposite may require more
     gauges = limit_shape.gauge([direction, -direction])
     gauge, largest_gauge = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
     bound = requirements[Reason.NO_FORECAST] * largest_gauge
@@ -299,9 +310,13 @@ def _dead_band_exit(
 ) -> tuple[complex, float, str]:
     """Return constant deflection [rad] after the exit of the dead band, exit time [s] and status.
 
+    The driver is trim, or on the wind -B alpha_w [rad]; at the exit its gauge is K times that of
+    the constant deflection required from then on. Only new maxima of the driver's gauge are exits;
+    of several solutions the last is returned. Without an exit the deflection is the largest trim,
+    and the time NaN.
+
     `pair`: plants and wind. `limit_shape`: of the nozzle. `K`: dead band. `literal`: whether its
-    exit is on trim, not on the wind. Only new maxima of the driver's gauge are exits; of several
-    solutions the last is returned.
+    exit is on trim, not on the wind.
     """
     onset = np.asarray([float(pair.wind.onset)])
     if K == 0.0:
@@ -314,9 +329,9 @@ def _dead_band_exit(
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
 
     heights = limit_shape.gauge(pair.trim(times) if literal else pair.moment_driver(times))
-    records = np.flatnonzero(heights >= np.maximum.accumulate(heights))
+    records = np.flatnonzero(heights >= np.maximum.accumulate(heights))  # new maxima
     margins = margin(times[records])
-    short = np.flatnonzero(margins < -_RELATIVE_ROUNDING * heights.max())
+    short = np.flatnonzero(margins < -_RELATIVE_ROUNDING * heights.max())  # within the dead band
     if short.size == 0:
         return complex(pair.required_constant(times[:1])[0]), float(times[0]), OK
     if short[-1] == records.size - 1:
@@ -461,6 +476,7 @@ def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str)
             pitch_wind = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
             flat = PlanePair(pair.plants, pitch_wind)
             pitch_only = two_plane_requirement(flat, limit_shape, (K,), literal)[0].limit
+    # B alpha_w,max [rad], the trim of the largest wind in pitch
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     return PlaneLimit(
         limit=requirement.limit / scale if requirement.y is None else requirement.y,

@@ -81,13 +81,17 @@ def stability(loop: AnyLoop) -> Stability:
     """Return the number of unstable closed-loop poles with the delay, and the gain crossovers.
 
     `loop`: a batch of loops L(s) ``(...)``, closed by 1 + L = 0.
+
+    The count begins with the closed-loop poles without the delay T. As T grows a pair crosses the
+    imaginary axis at each frequency omega with |L| = 1, when omega T comes to the phase lag of L to
+    -1 plus full turns: to the right where |L| falls with the frequency, else to the left.
     """
     poles = loop.closed_poles()
     tolerance = _AXIS_TOLERANCE * np.abs(poles).max(axis=-1, keepdims=True)
     unstable = np.sum(np.real(poles) > tolerance, axis=-1)
     on_axis = np.abs(np.real(poles)) <= tolerance
     at_zero = np.any(on_axis & (np.abs(poles) <= tolerance), axis=-1)
-    frequencies, rising = loop.crossovers(1.0)
+    frequencies, rising = loop.crossovers(1.0)  # where |L| falls poles cross to the right
     frequencies = _polished_gain_crossover(loop, frequencies)
     N, D = loop.undelayed(frequencies)
     with np.errstate(invalid="ignore"):
@@ -101,7 +105,7 @@ def stability(loop: AnyLoop) -> Stability:
         at_crossing = (np.abs(crossings_due - np.round(crossings_due)) < _AXIS_TOLERANCE) & (
             crossings_due > -_AXIS_TOLERANCE
         )
-    added = np.nansum(np.where(rising, 2.0, -2.0) * crossings, axis=-1)
+    added = np.nansum(np.where(rising, 2.0, -2.0) * crossings, axis=-1)  # in conjugate pairs
     added = np.clip(added, -_MAX_POLES, _MAX_POLES)
     delayed = loop.delay > 0.0
     at_axis = np.where(delayed, np.any(at_crossing, axis=-1), np.any(on_axis, axis=-1))
@@ -157,7 +161,7 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
     largest = np.nan_to_num(size).max(axis=-1)
     counted = size > _MIN_ROOT_OVER_POLE * fastest
     low = _LOW_OVER_SMALLEST_ROOT * np.where(counted, size, np.inf).min(axis=-1)
-    low = np.where(np.isfinite(low), low, 1e-3)
+    low = np.where(np.isfinite(low), low, 1e-3)  # [rad/s], without a root other than zero
     high = np.maximum(_HIGH_OVER_LARGEST_ROOT * largest, 1e3 * low)
     steps = np.geomspace(low, high, _LOGARITHMIC_POINTS, axis=-1)
     width = np.maximum(np.abs(roots.real), _MIN_AXIS_DISTANCE * size)
@@ -186,8 +190,8 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
 def _delay_frequencies(loop: AnyLoop) -> tuple[FloatArray, FloatArray]:
     """Return frequencies ``(k, m)`` [rad/s] in even steps of an eighth of a turn of the delay.
 
-    The second result is their end ``(k,)``. For a loop without delay it is infinite, and the
-    frequencies are NaN. `loop`: a batch of k loops.
+    The second result is their end ``(k,)`` [rad/s], above which |L| is negligible. For a loop
+    without delay it is infinite, and the frequencies are NaN. `loop`: a batch of k loops.
     """
     delayed = loop.delay > 0.0
     step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
@@ -230,7 +234,7 @@ class LoopAnalysis:
 
 
 def analyse_loops(loop: AnyLoop) -> LoopAnalysis:
-    """Return stability, crossovers and peaks of a batch of loops ``(k,)``."""
+    """Return stability, crossovers and peaks of a batch of loops ``(k,)``, in blocks for memory."""
     starts = range(0, max(len(loop.delay), 1), _LOOPS_PER_BLOCK)
     return _concatenated(
         [_block_analysis(loop.take(slice(start, start + _LOOPS_PER_BLOCK))) for start in starts]
@@ -267,9 +271,9 @@ def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
     phases = _remaining_lag(loop, gain_frequencies)
     omega = grid_frequencies(loop, verdict)
     omega = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
-    parts = loop.parts(omega)
+    parts = loop.parts(omega)  # numerator and denominator of L, with its delay
     phase_frequencies, sizes = _phase_crossovers(loop, omega, *parts)
-    peaks = np.full((len(omega), 3, 2), np.nan)
+    peaks = np.full((len(omega), 3, 2), np.nan)  # of |S|, |T| and |S - T|/2: height, frequency
     with np.errstate(divide="ignore"):
         # L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n
         delays, factors = phases % (2.0 * np.pi) / gain_frequencies, 1.0 / sizes
@@ -296,7 +300,9 @@ def _phase_crossovers(
     """Return the frequencies [rad/s] at which L is real and negative, and |L| there, ``(k, m)``.
 
     Both are filled with NaN. `loop`: k loops L(s). `omega`: grid of frequencies from zero on, ``(k,
-    n)`` [rad/s]. `N`, `D`: numerator and denominator of L on it, ``(k, n)``.
+    n)`` [rad/s]. `N`, `D`: numerator and denominator of L on it, ``(k, n)``. A sign change of Im L
+    between two points of the grid is a crossover where the phase lag to -1 passes through zero
+    there and does not jump. Frequency zero and infinity are crossovers where L is negative there.
     """
 
     def angle(frequency: FloatArray, index: IndexArray) -> FloatArray:
@@ -354,7 +360,7 @@ def _polished_phase_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
 def _imaginary(N: ComplexArray, D: ComplexArray) -> FloatArray:
     """Return Im(-N conj(D)) of numerators N and denominators D, of one shape.
 
-    In real products, which round alike in a batch of any shape.
+    It has the sign of Im(-N/D). In real products, which round alike in a batch of any shape.
     """
     return N.real * D.imag - N.imag * D.real
 
@@ -372,7 +378,8 @@ def _closed_loop_peaks(
 
     `loop`: k stable loops L = N/D, with S = 1/(1 + L) and T = L/(1 + L). `omega`: grid of
     frequencies from zero on, ``(k, n)`` [rad/s]. `N`, `D`: numerator and denominator on it, ``(k,
-    n)``.
+    n)``. Local maxima of the grid that may be the highest are refined, and compared with the values
+    at infinity, where L is its direct term.
     """
     values = np.stack(_sensitivity_sizes(N, D), axis=1)
     values = np.nan_to_num(values, nan=-np.inf, copy=False)
@@ -397,6 +404,7 @@ def _closed_loop_peaks(
             lowness, omega[case, index], omega[case, index + 2], PEAK_REFINEMENTS, smooth=True
         )
         rising = np.argsort(-minimum)  # of several summits the highest is written last
+        # entry: loop and kind (0, 1, 2 of S, T, (S - T)/2) of each summit
         at, size, entry = at[rising], -minimum[rising], (case[rising], kind[rising])
         better = size > height[entry]
         entry = (entry[0][better], entry[1][better])

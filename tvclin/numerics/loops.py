@@ -118,7 +118,7 @@ class Rational:
         `omega`: frequencies [rad/s], ``(..., k)``.
         """
         slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
-        rises = [polynomials.on_axis(slope, omega) for slope in slopes]
+        rises = [polynomials.on_axis(slope, omega) for slope in slopes]  # N' and D' at j omega
         N_ratio, D_ratio = map(product, rises, map(inverse, self.undelayed(omega)))
         return 1j * (N_ratio - D_ratio)
 
@@ -139,6 +139,7 @@ class Rational:
 
         They are roots of |D|^2 size^2 - |N|^2 in omega^2, ascending; NaN fills the rows.
         """
+        # polynomials in omega^2; the difference rises where |L| falls
         squares = polynomials.squared_size(self.denominator)
         squares = size**2 * squares - polynomials.squared_size(self.numerator)
         roots = polynomials.roots(squares)
@@ -278,8 +279,8 @@ class StateLoop:
     def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
         """Return numerator and denominator of L with its delay at j omega, ``(k, m)``.
 
-        They are L and one, and at a pole one and zero. `omega`: frequencies [rad/s], ``(k, m)`` or
-        ``(m,)``.
+        They are L and one, and at a pole one and zero, as in `Rational` a denominator of zero. By
+        the sum over the poles of each loop. `omega`: frequencies [rad/s], ``(k, m)`` or ``(m,)``.
         """
         omega = np.broadcast_to(np.asarray(omega, float), (len(self.case), np.shape(omega)[-1]))
         values = self._modal_sum(1j * omega)
@@ -334,7 +335,10 @@ class StateLoop:
         return self.poles[self.case]
 
     def closed_poles(self) -> AnyArray:
-        """Return the closed-loop poles without delay [1/s], ``(k, n)``: eig(A - B C/(1 + D))."""
+        """Return the closed-loop poles without delay [1/s], ``(k, n)``: eig(A - B C/(1 + D)).
+
+        A, B, C and D are those of L in state space.
+        """
         A, B, C, D = self._matrices
         returned = B[..., :, np.newaxis] * C[..., np.newaxis, :]
         return np.linalg.eigvals(A - returned / (1.0 + D)[:, np.newaxis, np.newaxis]).astype(
@@ -350,11 +354,17 @@ class StateLoop:
     def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
         """Return the frequencies [rad/s] with |L| = `size`, and whether |L| falls there.
 
-        Both ``(k, m)``, ascending: imaginary eigenvalues of the Hamiltonian matrix of L/size (Boyd,
-        Balakrishnan and Kabamba 1989), each refined by Newton's method on |L| itself.
+        Both ``(k, m)``, ascending: imaginary eigenvalues of the Hamiltonian matrix of G = L/size
+        (Boyd, Balakrishnan and Kabamba 1989), each refined by Newton's method on |L| itself. With
+        R = 1 - D^2 and A1 = A + B C D/R the matrix is
+
+            [A1, B B'/R; -C' C (1 + D^2/R), -A1'],
+
+        and it has the eigenvalue j omega where |G| = 1. Two equal frequencies with the same slope
+        are one crossover.
         """
         A, B, C, D = self._matrices
-        C, D = C / size, D / size
+        C, D = C / size, D / size  # of G
         R = 1.0 - D**2
         R = np.where(np.abs(R) < _MIN_HAMILTONIAN_DIVISOR, _MIN_HAMILTONIAN_DIVISOR, R)[
             :, np.newaxis, np.newaxis
@@ -406,6 +416,7 @@ class StateLoop:
         """A, B, C and D of the selected loops, with B and C scaled to equal norms."""
         A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
         sizes = [np.sqrt(np.sum(row**2, axis=-1, keepdims=True)) for row in (B, C)]
+        # L has only the product of B and C; where one is zero neither is scaled
         scalable = np.all(np.concatenate(sizes, axis=-1) > 0.0, axis=-1, keepdims=True)
         ratio = np.sqrt(np.where(scalable, sizes[0], 1.0) / np.where(scalable, sizes[1], 1.0))
         return A, B / ratio, C * ratio, D
@@ -436,7 +447,9 @@ class StateLoop:
     def _solved(self, s: AnyArray, *, slope: bool = False) -> tuple[AnyArray, ...]:
         """Return L without its delay, and with `slope` dL/ds, at s ``(k, m)`` [1/s], by solving.
 
-        By linear solves, not by residues. Infinite at a pole, and NaN at NaN.
+        By linear solves, C (s - A)^-1 B + D and -C (s - A)^-2 B, not by residues. Infinite at a
+        pole, and NaN at NaN: there the matrix is that of another s, away from all poles. Many loops
+        are halved, to bound the memory.
         """
         block = max(1, _ENTRIES_PER_BLOCK // max(1, s.shape[1] * self.A.shape[-1] ** 2))
         if len(s) > block:
@@ -470,7 +483,8 @@ class StateLoop:
     def _newton_crossovers(self, omega: FloatArray, size: float) -> FloatArray:
         """Return frequencies ``(k, m)`` [rad/s] with |L| = `size`, ascending, by Newton's method.
 
-        `omega`: estimates ``(k, m)``. NaN without convergence.
+        On ln(|L|/`size`), whose slope over omega is -Im(L'/L) with L' = dL/ds; a step is at most a
+        tenth of the frequency. `omega`: estimates ``(k, m)``. NaN without convergence.
         """
         error = np.full(omega.shape, np.nan)
         with np.errstate(all="ignore"):
@@ -481,7 +495,7 @@ class StateLoop:
                 step = error / -np.imag(slope / value)
                 max_step = _MAX_RELATIVE_STEP * omega
                 iterate = omega - np.clip(step, -max_step, max_step)
-                converged = ~(np.abs(step) > _POLE_ROUNDING * omega)
+                converged = ~(np.abs(step) > _POLE_ROUNDING * omega)  # or no step: NaN
                 omega = np.where(np.isfinite(iterate), iterate, omega)
                 if np.all(converged | np.isnan(omega)):
                     break
@@ -542,6 +556,7 @@ def _terms(
 
     All arrays broadcast; they hold real and imaginary parts of s [1/s], poles and residues.
     """
+    # residue (x - j y)/size, with s - pole = x + j y and size = |s - pole|^2
     x, y = s_real - pole_real, s_imag - pole_imag
     size = x**2
     size += y**2
@@ -559,7 +574,8 @@ def _terms(
 def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArray:
     """Return the finite s at which [[A - s, B], [C, D]] is singular, ``(k, n + 1)``, NaN-filled.
 
-    `A`, `B`, `C`, `D`: ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``.
+    They are the zeros of C (s - A)^-1 B + D, by generalised eigenvalues (QZ). `A`, `B`, `C`, `D`:
+    ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``.
     """
     from scipy.linalg.lapack import dggev  # late: it takes 0.1 s to import
 
@@ -588,11 +604,17 @@ def rightmost_poles(
     """Return the rightmost closed-loop poles [1/s], by falling real part, as far as they converge.
 
     `A`, `B`, `C`: loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L = 0.
-    `delay`: T [s], positive. `loop`: L with its delay at complex frequencies ``(m,)`` [1/s].
+    `delay`: T [s], positive. `loop`: function L with its delay of complex frequencies ``(m,)``
+    [1/s].
+
+    The delayed signal is a wave v(t, theta) with dv/dt = dv/dtheta on -T <= theta <= 0, whose
+    values at Chebyshev points are states beside x, with x' = A x + B v(-T) and v(0) = -C x.
+    Eigenvalues of all of it start Newton's method on 1 + L(s); the list ends before the first that
+    moves too far.
     """
     n, wave = len(A), _chebyshev_derivative(_CHEBYSHEV_POINTS) * (2.0 / delay)
     generator = np.zeros((n + _CHEBYSHEV_POINTS, n + _CHEBYSHEV_POINTS))
-    generator[:n, :n], generator[:n, -1] = A, B
+    generator[:n, :n], generator[:n, -1] = A, B  # the last point is theta = -T, the first 0
     generator[n:, n:], generator[n:, :n] = wave[1:, 1:], -np.outer(wave[1:, 0], C)
     eigenvalues = np.linalg.eigvals(generator).astype(complex)
     eigenvalues = eigenvalues[np.abs(eigenvalues) * delay < 0.5 * _CHEBYSHEV_POINTS]
@@ -615,9 +637,9 @@ def _chebyshev_derivative(count: int) -> FloatArray:
     derivative.
     """
     x = np.cos(np.pi * np.arange(count + 1) / count)
-    c = np.ones(count + 1)
+    c = np.ones(count + 1)  # barycentric weights, inverted
     c[[0, -1]] = 2.0
     c *= (-1.0) ** np.arange(count + 1)
-    differences = x[:, np.newaxis] - x + np.eye(count + 1)
+    differences = x[:, np.newaxis] - x + np.eye(count + 1)  # 1 on the diagonal, to be divided by
     derivative = np.outer(c, 1.0 / c) / differences
     return derivative - np.diag(derivative.sum(axis=1))
