@@ -48,7 +48,7 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     omega)|, with the exact delay. The peak is bracketed among frequencies around all roots and gain
     crossovers and refined to about 1e-12 of its value for well separated roots. For a flexible
     plant, which has no polynomials, it is the norm of python-control with the Pade approximation of
-    `Autopilot.close`.
+    `Autopilot.close`. With the open loop's L = N/D, and n/D from wind to deflection, G = n/(D + N).
     """
     margins = loop_margins(autopilot.exact_loop(plant))
     if not margins.stable:
@@ -187,7 +187,8 @@ def worst_duration(
 def _worst(deflections: Callable[[FloatArray], FloatArray], durations: FloatArray) -> WorstDuration:
     """Return the worst of the durations [s], refined between its neighbours.
 
-    `deflections`: function from durations to peak deflections [rad], both ``(n,)``.
+    `deflections`: function from durations to peak deflections [rad], both ``(n,)``. `durations`:
+    rising, ``(n,)``; the worst may be at an end of them.
     """
     from scipy.optimize import minimize_scalar  # late: it takes 0.3 s to import
 
@@ -221,7 +222,8 @@ def _summits(values: FloatArray) -> list[int]:
 def _durations(A: FloatArray, low: float, high: float) -> FloatArray:
     """Return durations [s] ``(n,)`` that resolve every oscillation of a loop until it decays.
 
-    `A`: matrix of the closed loop. `low`, `high`: shortest and longest duration [s].
+    `A`: matrix of the closed loop [1/s], stable; a mode counts as decayed at e^-5, and has six
+    durations in each of its periods, 750 at most. `low`, `high`: shortest and longest duration [s].
     """
     grids = [np.geomspace(low, high, _GRID_DURATIONS)]
     for pole in np.linalg.eigvals(A):
@@ -452,9 +454,11 @@ def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, An
 
 
 def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
-    """Return the boundary limit [rad] of a plant in a wind for each dead band K.
+    """Return the boundary limit [rad] of a plant in a wind for each dead band K of `DEAD_BANDS`.
 
-    NaN where none exists, which a further entry of `notes` says.
+    The vehicle is trimmed up to K times the limit, then the whole limit is held. Larger
+    requirements of other theorems take the limit's place. NaN where none exists, which a further
+    entry of `notes` says; notes are added to that list.
     """
     try:
         bands = np.array(DEAD_BANDS)

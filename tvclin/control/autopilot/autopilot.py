@@ -101,7 +101,11 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
 
 
 def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
-    """Warn, at the caller's caller, of modes of a plant above half the sample rate."""
+    """Warn, at the caller's caller, of modes of a plant above half the sample rate.
+
+    `autopilot`: nothing is done without a sample rate [Hz]. `plant`: one or a batch; its modes have
+    poles [1/s] with positive imaginary parts.
+    """
     if autopilot.sample_rate is None or not plant.has_modes:
         return
     names, poles = named_modes(plant)
@@ -123,7 +127,8 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> b
     """Return whether the Pade approximation of a delay gives a wrong number of unstable poles.
 
     `autopilot`: its delay is approximated. `plant`: one plant, or a batch with one delay, of which
-    it is whether any loop is wrong. `loop`: their `closed_loop`, with the command as an output.
+    it is whether any loop is wrong. `loop`: their `closed_loop` with Pade approximation, which has
+    a command as an input and the returned command as an output.
     Where a bound proves that the approximation is good enough the poles with the exact delay are
     not counted.
     """
@@ -471,7 +476,7 @@ class Autopilot(Feedback):
         loop = closed_loop(self, plant, command=True)
         if pade_misleads(self, plant, loop):
             raise InputError(PADE_WARNING.format(self.pade_order))
-        outputs = loop.outputs[:-1]
+        outputs = loop.outputs[:-1]  # all but the returned command
         A, B, C, D = loop.select(("wind",), outputs).matrices()
         return A, B[:, 0], C, D[:, 0], outputs
 
@@ -518,7 +523,7 @@ class Autopilot(Feedback):
         loop = closed_loop(self, plant, command=True)
         if pade_misleads(self, plant, loop):
             warnings.warn(f"{PADE_WARNING} (see margins)".format(self.pade_order), stacklevel=3)
-        return loop.select(DISTURBANCES, loop.outputs[:-1])
+        return loop.select(DISTURBANCES, loop.outputs[:-1])  # all but the returned command
 
     def _require_single(self, method: str, plant: AnyPlant, *, sampled: bool = False) -> None:
         """Raise `InputError` for a batch, and for a sampled autopilot unless `sampled` allows it.

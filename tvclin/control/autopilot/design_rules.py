@@ -206,7 +206,7 @@ class AutopilotDesign:
 
     @property
     def chains(self) -> dict[str, tuple[Filter, ...]]:
-        """Filters by the name of their chain."""
+        """Filters of command, attitude and rate by the names of their fields, `CHAINS`."""
         return {name: getattr(self, name) for name in CHAINS}
 
     @property
@@ -307,9 +307,10 @@ def _further_numbers(
 ) -> dict[str, float]:
     """Return the further numbers of a rule, by the names of its arguments.
 
-    `design`: specification. `rule`: name of the rule. `options`: arguments of `Autopilot`, from
-    which the gains that the rule designs are removed. `InputError` for numbers of another rule, and
-    for a gain in `options` that this rule designs.
+    These are frequency and damping of the drift for drift-poles, and weights for lqr. `design`:
+    specification. `rule`: name of the rule. `options`: arguments of `Autopilot`, from which the
+    gains that the rule designs are removed. `InputError` for numbers of another rule, and for a
+    gain in `options` that this rule designs.
     """
     numbers = {name: getattr(design, name) for name in _FURTHER}
     numbers = {name: value for name, value in numbers.items() if value is not None}

@@ -212,7 +212,11 @@ def _joined(notches: Sequence[ModeNotch]) -> ModeNotch:
 
 
 def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
-    """Return the position, a key of `CHAIN_OF_POSITION`, and the filter of one table `row`."""
+    """Return the position, a key of `CHAIN_OF_POSITION`, and the filter of one table `row`.
+
+    Positions are the sum, the attitude and the rate. `InputError` for an unknown kind or position,
+    and for numbers that are missing or not of that kind.
+    """
     keys = FILTER_TABLE.read(row)
     position = errors.one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
     kind = errors.one_of("kind", keys.pop("kind"), _MAKERS)
@@ -229,7 +233,10 @@ def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
 
 
 def _mode_notch(row: Mapping[str, Any]) -> ModeNotch:
-    """Return the notch of a table `row` with a mode, whose frequency it follows over the flight."""
+    """Return the notch of a table `row` with a mode, whose frequency it follows over the flight.
+
+    `InputError` for another kind, another position than the sum, and other keys.
+    """
     keys = FILTER_TABLE.read(row)
     allowed = ("mode", *NOTCH_NUMBERS)
     kind, position = keys.pop("kind"), keys.pop("on", "sum")

@@ -241,7 +241,11 @@ class GainSchedule:
         return numbers if np.ndim(numbers) == 0 else np.interp(values, self.breakpoints, numbers)
 
     def _filter(self, filter_: Filter, values: FloatArray) -> Filter:
-        """Return a filter with its coefficients at `values` of the variable; constant ones stay."""
+        """Return a filter with its coefficients at `values` of the variable; constant ones stay.
+
+        `filter_`: one filter, or one for each of the n breakpoints of the schedule; numerator and
+        denominator have a row of coefficients for each.
+        """
         if not filter_.batch:
             return filter_
         rows = (
@@ -303,7 +307,10 @@ def with_actuator_of(autopilot: Autopilot, flight: FlightSchedule, time: ArrayLi
 def flight_actuator(flight: FlightSchedule, time: ArrayLike) -> Actuator | None:
     """Return the actuator of a flight at times [s], constant outside it; None without one."""
     servo = flight.actuator_at(time)
-    return servo and Actuator(natural_frequency=servo[0], damping=servo[1])
+    if servo is None:
+        return None
+    natural_frequency, damping = servo
+    return Actuator(natural_frequency=natural_frequency, damping=damping)
 
 
 @dataclass(frozen=True, eq=False)
@@ -333,7 +340,10 @@ class EqualValues(Tabled):
 
     @property
     def difference(self) -> FloatArray:
-        """Largest relative difference of the two gains of each pair, ``(k,)``."""
+        """Largest relative difference of the two gains of each pair, ``(k,)``.
+
+        The size of the logarithm of the ratio; a gain that is zero at both times does not count.
+        """
         ratios = np.stack([self.attitude_gain_ratio, self.rate_gain_ratio])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(np.nanmax(np.abs(np.log(np.abs(ratios))), axis=0, initial=0.0))
@@ -393,7 +403,7 @@ def equal_values(
         )
     values = flight_variable(flight, variable, at)
     # The first index is the first time of a pair; a later sign change or zero is the second.
-    distance = values - values[:, np.newaxis]
+    distance = values - values[:, np.newaxis]  # of the value at column j from that at row i
     crosses = (distance[:, :-1] * distance[:, 1:] < 0.0) | (distance[:, 1:] == 0.0)
     first, later = np.nonzero(np.triu(crosses, 1))
     fraction = distance[first, later] / (distance[first, later] - distance[first, later + 1])
@@ -407,7 +417,10 @@ def equal_values(
 
 
 def even_times(first: float, last: float, every: float) -> FloatArray:
-    """Return the times `first`, `first` + `every`, ..., and `last` of a flight [s], ``(n,)``."""
+    """Return the times `first`, `first` + `every`, ..., and `last` of a flight [s], ``(n,)``.
+
+    A step that would end within 1e-9 of itself at `last` is that one.
+    """
     return np.append(first + every * np.arange(int(np.ceil((last - first) / every - 1e-9))), last)
 
 
@@ -480,7 +493,9 @@ def _tabulated(
 ) -> GainSchedule:
     """Return the schedule of a table of gains over the flight, with the constants of an autopilot.
 
-    `constant`: specification of delay, filters and sample rate. `actuator`: actuator, or None.
+    `table`: gains, filters and notches at breakpoints of a variable of the flight; its gains and
+    filters come before constant ones. `constant`: specification of delay, filters and sample rate.
+    `actuator`: actuator, or None.
     """
     options = constant.options(actuator) | table.gains
     chains = {name: (*options[name], *table.chains.get(name, ())) for name in CHAINS}

@@ -122,5 +122,8 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
 
 
 def _is_known(column: str) -> bool:
-    """Return whether a column of this name in a table of gains is read."""
+    """Return whether a column of this name in a table of gains is read.
+
+    It is a variable of the flight, a gain, or a number of a filter, "filter.N.KEY".
+    """
     return column in GAIN_COLUMNS.keys or column.startswith(COLUMN_PREFIX)

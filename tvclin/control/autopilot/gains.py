@@ -271,8 +271,8 @@ def load_minimum_gains(
     """Return the autopilot whose angle of attack vanishes in a steady wind: a0 = 0.
 
     The bending moment vanishes with it. The attitude has no reference any more: with drift and
-    gravity the flight path diverges slowly, near e^(C2/mu_alpha t), and the margins on the exact
-    models are those of an unstable loop.
+    gravity the flight path diverges slowly, near e^(w t) with w = C2/mu_alpha = g sin(Theta_n)/V_n,
+    and the margins on the exact models are those of an unstable loop.
 
     Parameters
     ----------
@@ -301,7 +301,10 @@ def load_minimum_gains(
 
 
 def _coefficients(plant: PlantOrVehicle) -> Coefficients:
-    """Return the coefficients of a plant or a vehicle; `InputError` for another type."""
+    """Return the coefficients of a plant or a vehicle, of the latter in its pitch plane.
+
+    `plant`: one or a batch; coefficients are returned as they are. `InputError` for another type.
+    """
     if isinstance(plant, AnyPlant):
         return plant.coefficients
     if isinstance(plant, AnyVehicle):
@@ -334,9 +337,10 @@ def _stiffness(
 ) -> tuple[Any, Any]:
     """Return the stiffness gain a0 + b0 and the rate gain a1 [s] of a closed loop on a fixed path.
 
-    `coefficients`: of one vehicle or a batch. `natural_frequency`, `damping`: omega_n [rad/s] and
-    damping ratio of the loop; all broadcast. `InputError` for less damping than the vehicle alone
-    has.
+    a0 + b0 = (omega_n^2 + mu_alpha)/mu_delta and a1 = (2 zeta omega_n - d)/mu_delta, d being the
+    vehicle's own damping M_q/I [1/s]. `coefficients`: of one vehicle or a batch.
+    `natural_frequency`, `damping`: omega_n [rad/s] and damping ratio zeta of the loop; all
+    broadcast. `InputError` for less damping than the vehicle alone has.
     """
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     ratio, c = positive_in_range("damping", damping), coefficients
@@ -423,8 +427,10 @@ def lqr_gains(
         )
     sensors = LateralSensors(drift_rate_weight > 0.0 or drift_weight > 0.0, drift_weight > 0.0)
     feedback = -_optimal_feedback(sensors.system(plant), costs, cost)
+    # Gains on attitude, its rate and, with a flight path, on gamma and perhaps the drift.
     on_attitude, on_rate, *on_path = feedback.tolist()
     if not sensors.signals:
+        # gamma = theta - alpha without wind: its gain goes to the attitude, and off alpha.
         path = sum(on_path)
         return Autopilot(
             attitude_gain=on_attitude + path,
@@ -444,8 +450,9 @@ def lqr_gains(
 def _optimal_feedback(system: LinearSystem, costs: list[float], cost: float) -> FloatArray:
     """Return the gains k ``(n,)`` on n states for which delta = -k x minimises a quadratic cost.
 
+    The cost is the integral of x' Q x + R delta^2, the weighted squares as a form in the states x.
     `system`: plant and lateral sensors, deflection first. `costs`: weights of the squares of
-    attitude, its rate, angle of attack, drift rate and drift. `cost`: weight of the squared
+    attitude, its rate, angle of attack, drift rate and drift. `cost`: R, weight of the squared
     deflection. `InputError` for an unstable mode without a cost.
     """
     import control
@@ -458,6 +465,7 @@ def _optimal_feedback(system: LinearSystem, costs: list[float], cost: float) -> 
     try:
         gains, _, poles = control.lqr(A, B[:, :1], Q, R, method="scipy")
     except (np.linalg.LinAlgError, control.ControlArgument, ValueError):
+        # No solution: a pole of one stands for an unstable loop, refused below.
         poles, gains = np.ones(1), np.zeros((1, len(A)))
     if np.real(poles).max() >= -_MIN_DECAY_OVER_POLE * np.abs(poles).max():
         raise errors.InputError(
@@ -527,7 +535,7 @@ def drift_gains(
     A, B = _per_speed(system.A, float(speed)), system.B[:, :1]
     try:
         gains = control.place(A, B, poles)[0]
-    except ValueError:
+    except ValueError:  # refused below, as the poles are not those specified
         gains = np.full(4, np.nan)
     placed = np.linalg.eigvals(A - B * np.nan_to_num(gains))
     distances = np.abs(placed[:, np.newaxis] - poles).min(axis=0)
@@ -569,7 +577,8 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
     -----
     With w = C2/mu_alpha, zero in the model "drift", and k = B - b0 - g V (b1 - b2),
     gamma/alpha_w = ((k - a0) (b1 - b2)/(b1 + w) - k)/(a0 + d1 V + (k - a0) w/(b1 + w)); with an
-    integral of the attitude -(b1 - b2)/b1.
+    integral of the attitude -(b1 - b2)/b1. Gains: a0 on attitude, b0 on angle of attack, d1 on
+    drift rate, g on acceleration; gamma' = b1 delta/B + b2 alpha_w in the drift model.
 
     Examples
     --------
@@ -600,7 +609,10 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
 
 
 def _speed(plant: Plant) -> FloatArray:
-    """Return the speed of a plant [m/s]; `InputError` for another model, or without a speed."""
+    """Return the speed of a plant [m/s], ``(...)``.
+
+    `InputError` for a plant that is not rigid or has no free flight path, and without a speed.
+    """
     errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
     if not plant.is_rigid or plant.model not in ("drift", "drift-exact"):
         raise errors.InputError(f"drift needs a plant drift or drift-exact; got {plant.model}")

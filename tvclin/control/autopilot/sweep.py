@@ -92,6 +92,7 @@ class Sweep(Tabled):
     @derived()
     def satisfied(self) -> BoolArray:
         """Whether all criteria are satisfied at each time, with every change, ``(n,)``."""
+        # Judgements ``(n,)`` of the nominal loop and ``(changes, n)`` of changed ones.
         verdicts = [
             np.asarray(judged.satisfied).reshape(-1, self.times.size).all(axis=0)
             for judged in self._judged
@@ -221,6 +222,7 @@ class Sweep(Tabled):
                 for judged in self.detuned_judgements
             ]
             lowest = np.concatenate(by_limit).min(axis=0)
+            # Margin over limit is one plus the surplus over the limit.
             columns["detuned"] = np.where(np.isinf(lowest), np.nan, 1.0 + lowest)
         return columns
 
@@ -252,7 +254,10 @@ class Sweep(Tabled):
 
 
 def _of_margin(name: str, values: FloatArray) -> Column:
-    """Return a CSV column of `values` ``(n,)`` of a margin, whose name may end with its unit."""
+    """Return a CSV column of `values` ``(n,)`` of a margin, whose name may end with its unit.
+
+    The unit is taken off the `name`, and degrees become radians, as all columns are in SI units.
+    """
     key, _, unit = name.rpartition("_")
     if unit == "deg":
         return Column(key, np.radians(values), "rad")
@@ -262,7 +267,11 @@ def _of_margin(name: str, values: FloatArray) -> Column:
 
 
 def _normalised(surplus: Any, judged: Judgement) -> Any:
-    """Return the surplus of a judged margin over its limit; minus infinity for an unstable loop."""
+    """Return `surplus`, the distance of a margin from its limit, as a ratio to the limit.
+
+    Minus infinity for an unstable loop, whose surplus is NaN. `judged`: judgement by a criterion,
+    which has the limit; one of zero counts as 1.
+    """
     limit = judged.criterion.limit or 1.0
     return np.where(np.isnan(surplus), -np.inf, np.asarray(surplus) / limit)
 

@@ -51,7 +51,10 @@ class WindResponse:
     _jumps: FloatArray
 
     def __call__(self, times: ArrayLike) -> FloatArray:
-        """Return the outputs [rad, rad/s] at times [s], ``(outputs,) + times.shape``."""
+        """Return the outputs [rad, rad/s] at times [s], ``(outputs,) + times.shape``.
+
+        `_motion` has the states of loop and wind at any time, `_rows` the outputs' factors on them.
+        """
         when = finite("times", times, "s")
         values = np.real(self._rows @ self._motion.at(when.ravel()).T)
         return values.reshape((-1, *when.shape))
@@ -59,7 +62,8 @@ class WindResponse:
     def peak(self, output: str) -> tuple[float, float]:
         """Return the value of largest magnitude [rad, rad/s], with its sign, and its time [s].
 
-        `output`: one of the labels. Both are infinite where the closed loop is unstable.
+        `output`: one of the labels. Both are infinite where the closed loop is unstable; its
+        settling time [s] is then zero.
         """
         row = self._row(output)
         return (
@@ -73,7 +77,7 @@ class WindResponse:
 
         It is infinite where the output jumps, and where the closed loop is unstable.
         """
-        row = self._row(output) @ self._motion.matrix
+        row = self._row(output) @ self._motion.matrix  # y = row x with x' = matrix x
         if self._jumps[self.labels.index(output)] or not self._settling_time:
             return float(np.inf)
         return abs(peak_output(self._motion, row, self._settling_time)[0])
@@ -94,7 +98,8 @@ def wind_response_of(
     """Return the response of x' = A x + B w, y = C x + D w to a wind w, from x = 0.
 
     `A`, `B`, `C`, `D`: one system, ``(n, n)``, ``(n,)``, ``(outputs, n)`` and ``(outputs,)``.
-    `labels`: names of the outputs. `wind`: one wind [rad]. `InputError` for a batch of winds.
+    `labels`: names of the outputs. `wind`: one wind [rad], in pieces that are sums over rates r of
+    polynomials in t times e^(r t). `InputError` for a batch of winds.
     """
     instance("wind", wind, History, "such as TriangularWind")
     single("wind", wind.batch)
@@ -147,7 +152,8 @@ def _ends(trajectory: Motion, inputs: FloatArray, order: int) -> AnyArray:
     """Return the wind [rad] at the end of each of its pieces but the last, ``(pieces - 1,)``.
 
     `trajectory`: states of a loop of `order` states and, behind them, of the wind. `inputs`: row
-    with which the latter give the wind.
+    with which the latter give the wind. A step carries these states from the start of a piece at a
+    breakpoint (`knots` [s]) to its end.
     """
     steps = matrix_exponentials(trajectory.matrix[order:, order:], np.diff(trajectory.knots))
     return np.einsum("i,kij,kj->k", inputs, steps, trajectory.starts[:-1, order:])
@@ -189,7 +195,7 @@ def deflection_peaks(
     state = np.zeros((m, matrix.shape[-1]), dtype=np.result_type(matrix, starts))
     highest = np.zeros(m)
     for width, start in zip(widths.tolist(), starts, strict=True):
-        count = int(np.ceil(_STEPS * max(width / widths.sum(), 0.1)))
+        count = int(np.ceil(_STEPS * max(width / widths.sum(), 0.1)))  # see _STEPS
         state[:, n:] = start
         for fraction in (_INITIAL_FRACTION, 1.0 - _INITIAL_FRACTION):
             step = matrix_exponentials(matrix, np.full(m, fraction * width / count))
