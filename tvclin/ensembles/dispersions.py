@@ -60,7 +60,8 @@ class Dispersion:
     def deviates(self, normal: FloatArray) -> FloatArray:
         """Return deviations of n cases in units of the spread, ``(n,)``.
 
-        `normal`: standard normal deviates of the cases, ``(n,)``.
+        `normal`: standard normal deviates of the cases, ``(n,)``; their probabilities are turned
+        into deviates of the distribution, so that cases keep their order.
         """
         from scipy.special import ndtr, ndtri
 
@@ -175,7 +176,7 @@ class Dispersions:
             scale = dispersion.spread * (abs(centre) if dispersion.relative else 1.0)
             value = centre + scale * dispersion.deviates(column)
             values[dispersion.parameter] = value
-            for names, rule in _RULES:
+            for names, rule in _RULES:  # rules by which values have a meaning, such as mass > 0
                 if dispersion.parameter in names:
                     possible &= rule(value, centre)
             if is_mode_factor(dispersion.parameter):
@@ -233,6 +234,7 @@ _RULES: tuple[tuple[tuple[str, ...], Callable[[FloatArray, float], BoolArray]], 
     (("control_arm", "wind_peak"), lambda value, centre: value * centre > 0.0),
     (("attitude", "wind_peak"), lambda value, _: np.abs(value) < np.pi / 2),
 )
+"""Parameters, and the rule of their dispersed values and nominal value [SI] for a possible case."""
 MODES = ("bending_frequency", "bending_damping", "slosh_frequency", "slosh_damping")
 """Factors on all modes of a flexible vehicle; on a single mode as in bending_2_frequency."""
 _SINGLE_MODE_FACTOR = re.compile(r"(bending|slosh)_[1-9]\d*_(frequency|damping)")
@@ -344,6 +346,7 @@ def draw(
             f"a Latin hypercube of {size} cases has no case {first + count - 1}"
         )
     if method == "plain":
+        # whole blocks of cases, each with its own key, from which the cases are cut
         begin, end = first // _BLOCK, -(-(first + count) // _BLOCK)
         seeds = (np.random.SeedSequence(seed, spawn_key=(block,)) for block in range(begin, end))
         blocks = [
@@ -362,4 +365,4 @@ def draw(
                 sequence.fast_forward(first)
             total = 1 << max(count - 1, 0).bit_length()  # scipy warns of other sizes
             numbers = sequence.random(total)[:count]
-    return np.clip(numbers, _MIN_NUMBER, 1.0 - 2.0**-53)
+    return np.clip(numbers, _MIN_NUMBER, 1.0 - 2.0**-53)  # the largest number below one

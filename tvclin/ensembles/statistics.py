@@ -36,6 +36,8 @@ def shares(probability: float, confidence: float) -> tuple[str, str]:
 class Quantile(Shown):
     """A quantile of a sample with its confidence bounds, by order statistics.
 
+    The p-quantile is the value that is not exceeded with the probability p.
+
     `probability`, `confidence`: of the quantile, and of each bound. `estimate`: the sample
     quantile. `upper`, `lower`: bounds of the quantile, each with that confidence; plus and minus
     infinity if the sample is too small to bound it. `cases`: size of the sample.
@@ -62,7 +64,7 @@ class Quantile(Shown):
 
     @property
     def few_cases(self) -> str:
-        """Text of the number of cases that an upper bound requires; empty where it is reached."""
+        """End of a sentence with the number of cases for an upper bound; empty if reached."""
         words = f": cases must be at least {self.min_cases}"
         return words if self.cases < self.min_cases else ""
 
@@ -74,6 +76,7 @@ class Quantile(Shown):
         interval of that probability lies below the probability of the quantile.
         """
         if np.isfinite(self.estimate) and np.isinf(self.upper):
+            # too small a sample: at most so many of all cases succeed, or nothing is known
             return False if success.upper < self.probability else None
         return above
 
@@ -83,8 +86,11 @@ class Quantile(Shown):
         return self.within(0.01)
 
     def within(self, tolerance: float) -> bool:
-        """Return whether the bounds differ by at most `tolerance` times the estimate."""
-        if not np.isfinite(self.estimate):  # with too many lost flights
+        """Return whether the bounds differ by at most `tolerance` times the estimate.
+
+        False where the estimate is infinite.
+        """
+        if not np.isfinite(self.estimate):  # a lost flight requires an infinite limit
             return False
         return bool(self.upper - self.lower <= tolerance * abs(self.estimate))
 
@@ -363,7 +369,7 @@ def survival_fraction(
     unknown = flies.size - judged
     if not judged:
         return SurvivalFraction(0, 0, unknown, 0.0, np.nan, np.nan, confidence)
-    varying = 0 < flown < judged
+    varying = 0 < flown < judged  # else all values of `flies` are alike, without a correlation
     n = effective_number(
         (flies if varying else required)[judged_rows], times[judged_rows], season[judged_rows]
     )
@@ -375,7 +381,9 @@ def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: 
     """Return the number of independent values with the information of correlated `values`.
 
     `values`, `times`, `season`: values, their times, and numbers of their seasons, ``(n,)`` each.
-    The autocorrelation is over time within a season.
+    It is n/(1 + 2 sum of the autocorrelations) for n values, over lags of whole steps of time up to
+    the first correlation that is not positive; pairs are within a season. All n values count where
+    they do not vary, or have one time.
     """
     order = np.argsort(times, kind="stable")
     values, season = values[order], season[order]
@@ -386,7 +394,7 @@ def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: 
     intervals = intervals[intervals > 0]
     if not intervals.size or not variance > 0.0 or not np.isfinite(variance):
         return float(values.size)
-    step = float(np.median(intervals))
+    step = float(np.median(intervals))  # usual interval of the archive [min]
     correlations = 0.0
     for lag in range(1, _MAX_LAG_STEPS + 1):
         later = np.searchsorted(minutes, minutes + (lag - _LAG_TOLERANCE) * step)

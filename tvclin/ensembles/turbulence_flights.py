@@ -257,7 +257,7 @@ def fly_turbulence_along(
     linear = turbulence_along(schedule, autopilot, turbulence, wind=wind, **options)
     first_time, last_time = schedule.between(start, stop).span
     V = schedule.speed
-    lengths = turbulence.over(None if schedule.altitude is None else schedule.height)[1]
+    _, lengths = turbulence.over(None if schedule.altitude is None else schedule.height)
     times = _times(first_time, last_time, float(np.min(lengths / V)))
     speeds = flight_variable(schedule, "speed", times)
     heights = None if schedule.altitude is None else flight_variable(schedule, "altitude", times)
@@ -313,7 +313,7 @@ def _comparison(
     flown = FlownCases(**arrays)
     limited = flown.saturated_time_fraction
     below = int(np.sum(flown.peak_deflection < _AT_LIMIT * limit))
-    smooth = DEFLECTION_RATE in linear.outputs
+    smooth = DEFLECTION_RATE in linear.outputs  # has a variance, so that crossings can be counted
     return TurbulenceFlights(
         deflection_limit=limit,
         linear_time=linear.time_fraction(limit),

@@ -96,10 +96,12 @@ def encountered_wind(
     values = values or {}
     path, velocity = np.asarray(vehicle.attitude), np.asarray(vehicle.velocity)
     peak = np.asarray(values.get("wind_peak", wind.peak))
+    # angles and speeds are made positive here; their fractions in both planes have the signs
     positive = size * np.sign(peak)
     base = replace(wind, gust=None, heading=None).history(dict(values))
     parts: dict[bool, History | None] = {True: None, False: None}  # by whether the speed is known
     wind_known = wind.speed is not None
+    # of a wind by its speed the history is the speed over that of the vehicle, else the angle [rad]
     parts[wind_known] = base * (
         positive if wind.speed is None else positive * wind.speed / (wind.peak * velocity)
     )
@@ -206,9 +208,10 @@ def largest_pressure(
     """
     encountered = encountered_wind(wind, vehicle, plane, name, size)
     encountered.check_possible()
-    return float(
-        encountered_at_steps(Equations.frozen(vehicle, "fixed-path", plane), encountered)[2].max()
-    )
+    # the model sets the steps alone: the ratio is that of the wind triangle
+    equations = Equations.frozen(vehicle, "fixed-path", plane)
+    ratio = encountered_at_steps(equations, encountered)[2]
+    return float(ratio.max())
 
 
 def uses_encountered_pressure(sign: str | None) -> bool:

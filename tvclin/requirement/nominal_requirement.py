@@ -148,8 +148,9 @@ def required_deflection(
         law_wind = two_sided
         needs[Reason.MINIMUM] = np.maximum(needs[Reason.MINIMUM], minimum_peaks(plant, two_sided))
     open_loop = np.max(list(needs.values()), axis=0)
-    rate, paired = leading_pole(plant)
+    rate, paired = leading_pole(plant)  # fastest unstable pole [1/s], NaN without; whether a pair
     single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)
+    # cases in which the limited trim law may require more than the open-loop requirements
     limited = (K == 1.0) & single_pole
     if plant.model == "fixed-path" and two_sided is None:
         limited = limited & _has_second_rise(wind)
@@ -159,6 +160,7 @@ def required_deflection(
     for value in np.unique(K).tolist():
         winds = law_wind if value == 1.0 else wind
         law += _trim_law(plant, winds, cases & (value == K), value)
+    # static trim [rad]: B is the ratio of trim deflection to angle of attack
     static = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     error = _MARCH_ERROR * static + np.where(K == 1.0, 0.0, _AFTER_TRIM_ERROR * open_loop)
     needs[Reason.TRIM_LAW] = np.where(law > open_loop + error, law, 0.0)
@@ -206,7 +208,7 @@ def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -
         return np.zeros(cases.shape)
     plants, winds = plant.cases(which, cases.shape), wind.cases(which, cases.shape)
     limits = batch_requirements(Equations.of_plant(plants), NominalWind(winds), dead_band)
-    if np.any(too_long := np.isnan(limits)):
+    if np.any(too_long := np.isnan(limits)):  # a wind too long to be followed
         trim = np.abs(trim_deflection(plants, winds).peak)
         limits = np.where(too_long, trim / dead_band, limits)
     required = np.zeros(cases.size)
@@ -215,7 +217,11 @@ def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -
 
 
 def _has_second_rise(wind: History) -> BoolArray:
-    """Return whether winds rise again after they have fallen, so that trim may be limited twice."""
+    """Return whether winds rise again after they have fallen, so that trim may be limited twice.
+
+    Sizes of the wind angle count, at the samples that show its shape; changes within rounding of
+    the peak do not.
+    """
     size = np.abs(wind.peak)[..., np.newaxis]
     change = np.diff(np.abs(wind.shape_samples), axis=-1)
     fallen = np.logical_or.accumulate(change < -ROUNDING * size, axis=-1)
@@ -360,13 +366,19 @@ class KnownWind(Shown):
     @property
     @derived("angle", label="fast pole alone (K = 0)", infinite=NONE_SUFFICIENT)
     def constant(self) -> float:
-        """Boundary limit [rad] at K = 0, for one pole: constant from the onset of the wind on."""
+        """Boundary limit [rad] at K = 0, a deflection that is constant from the onset on.
+
+        It holds the fastest unstable mode alone.
+        """
         return abs(float(boundary_limit(self.plant, self.wind, 0.0).deflection))
 
     @property
     @derived()
     def first_segment(self) -> str:
-        """Direction of the first segment of the deflection, in words."""
+        """Direction of the first segment of the deflection, in words: of trim it opposes the wind.
+
+        With a positive B trim of a wind has the sign opposite to the wind angle.
+        """
         deflection = self.best.deflection
         if np.isinf(deflection.onset):
             return "none"

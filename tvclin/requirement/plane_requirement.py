@@ -35,7 +35,9 @@ _MAX_FINITE_RAD = 1e99
 class VectorRequirement:
     """Requirements of the vector of a wind [rad], in the measure of the stop.
 
-    `trim` is the largest gauge of -B times the wind, `required` the limit of `plane_limit` at each
+    The measure is the limit of the shape at whose edge a vector of deflections lies, its gauge.
+    `trim` is the largest gauge of -B times the wind, B being the ratio of trim deflection to angle
+    of attack, `required` the limit of `plane_limit` at each
     dead band, ``(k,)``, `no_forecast` the lower bound of laws without a forecast, and `minimum`
     the minimum of every control; `notes` say why a number is not defined, or is more than (4b)
     says.
@@ -81,7 +83,8 @@ def vector_requirements(
 def rectangle(limit_shape: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> FloatArray:
     """Return the minimum limit whose shape contains -x to x in pitch and -y to y in yaw [rad].
 
-    Infinite and NaN where one of the deflections is.
+    `pitch`, `yaw`: the deflections x and y [rad]. Infinite and NaN where one of them is. The gauge
+    of the shape, the limit at whose edge a vector lies, is largest at a corner of the rectangle.
     """
     x, y = np.broadcast_arrays(np.asarray(pitch, dtype=float), np.asarray(yaw, dtype=float))
     finite = (np.abs(x) < _MAX_FINITE_RAD) & (np.abs(y) < _MAX_FINITE_RAD)
@@ -119,13 +122,17 @@ class TwoPlaneRequirement:
     def ratio_to(self, plane: str) -> float:
         """Return the ratio of the limit of both planes to a plane's, for a wind with a heading.
 
-        The other plane is the same loop in the same wind, and its deflections have that ratio.
+        The other plane is the same loop in the same wind, and its deflections have the ratio of the
+        peaks. `plane`: pitch or yaw.
         """
         peaks = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
         return float(rectangle(self.limit_shape, peaks["pitch"], peaks["yaw"])) / peaks[plane]
 
     def omitted_fraction(self, plane: str) -> float:
-        """Return the fraction of the requirement of both planes that one plane omits."""
+        """Return the fraction of the requirement of both planes that `plane` alone omits.
+
+        With 0.4 a limit for this plane alone is 40 percent too small.
+        """
         return float(omitted_fraction(self.separate[plane], self.deflection))
 
 

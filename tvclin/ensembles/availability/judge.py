@@ -176,18 +176,19 @@ class Judge:
         for reason, holds in self._unjudged(soundings):
             for i in np.flatnonzero(holds & soundings.usable).tolist():
                 reasons[i] = reasons[i] or reason
-        index = np.flatnonzero([not reason for reason in reasons])
+        index = np.flatnonzero([not reason for reason in reasons])  # soundings that may be judged
         done = len(soundings) - index.size
         for cases, within, winds in self._together(soundings, index):
             heights[cases] = within
             done += cases.size
-            linear = np.flatnonzero(~np.isnan(within[:, 0]))
+            linear = np.flatnonzero(~np.isnan(within[:, 0]))  # within linear aerodynamics
             if linear.size:
                 bounds = self._bounds_of_unknown(winds.select(linear), within[linear])
                 for values, bound in zip((lower, upper, lowest, wind_known), bounds, strict=True):
                     values[:, cases[linear]] = bound
             if progress is not None:
                 progress(done, len(soundings))
+        # NaN of heights: beyond linear aerodynamics; of bounds: no wind has the angle of the gust
         steep, unknown = np.isnan(heights[:, 0]), np.isnan(lower).any(axis=0)
         reasons = [
             reason or (TOO_FAST if fast else TOO_FLAT if flat else "")
@@ -201,7 +202,8 @@ class Judge:
     ) -> tuple[Requirements, list[str]]:
         """Return requirements narrowed by flights where these decide on limits [rad]; and notes.
 
-        `bounds`: requirements of the soundings without flights. `limits`: by azimuth, ``(a,)``. A
+        `bounds`: requirements of the soundings without flights. `limits`: for the requirement, by
+        azimuth, ``(a,)``; a negative one counts as zero. A
         sounding whose bounds lie to both sides of the limit, and that does not survive with it, is
         flown for what it requires, if all its wind is known. One that survives with less than its
         lower bound has the limit for its requirement.
@@ -251,8 +253,9 @@ class Judge:
         batch ``(n,)``, the heights [m] between which its winds can be judged, ``(n, 2)``, NaN where
         nowhere, and the winds.
         """
-        index = index[np.argsort(soundings.counts[index], kind="stable")]
+        index = index[np.argsort(soundings.counts[index], kind="stable")]  # by number of levels
         together = SoundingWinds.of(soundings[index], self.path)
+        # levels of the soundings and heights of the flight, of all soundings before and with each
         ends = np.cumsum(np.diff(together.offsets) + self.path.height.size)
         cuts = np.arange(_MAX_LEVELS_PER_MARCH, ends.max(initial=0), _MAX_LEVELS_PER_MARCH)
         for batch in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
@@ -269,7 +272,7 @@ class Judge:
         level = np.append(soundings.height, np.nan)
         bottom = np.where(empty, np.nan, level[ends[:-1]])
         top = np.where(empty, np.nan, level[np.maximum(soundings.offsets[1:] - 1, 0)])
-        densest = self.path.densest
+        densest = self.path.densest  # height [m] of the largest dynamic pressure
         with np.errstate(invalid="ignore"):
             reasons = [(TOO_LOW, top < densest), (TOO_HIGH, bottom > densest)]
             if self.known_to is not None:
@@ -303,7 +306,7 @@ class Judge:
         `within`: heights [m] between which the n winds of `soundings` are judged, ``(n, 2)``.
         `strong`: whether a wind that is not known is strong, or calm.
         """
-        towards = []
+        towards = []  # one array (3, n) for each azimuth
         for a in range(self.azimuths.size):
             in_planes = [
                 (p, np.stack([winds.bounds.lower, winds.bounds.upper, winds.bounds.lowest]))
@@ -318,7 +321,9 @@ class Judge:
         """Return the required deflections [rad] of the limit shape, from single planes.
 
         `in_planes`: pairs of the index of a plane and its required deflections [rad], each of one
-        shape; of several in a plane the largest counts. `shape`: this shape if there are none.
+        shape; of several in a plane the largest counts. `shape`: this shape if there are none. A
+        square limit shape requires the largest of its planes, a round one the root of the sum of
+        squares.
         """
         planes = np.zeros((len(self.planes), *(in_planes[0][1].shape if in_planes else shape)))
         for p, required in in_planes:
@@ -360,9 +365,10 @@ class Judge:
         """
         azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
         interval = self.interval
-        low, high = np.clip(within, *interval.path.height[[0, -1]]).T[..., np.newaxis]
+        first, last = interval.path.height[[0, -1]]
+        low, high = np.clip(within, first, last).T[..., np.newaxis]  # (n, 1) each
         height = np.clip(soundings.breakpoints(interval.path, strong), low, high)
-        speeds = {
+        speeds = {  # calm where nothing of the interval is judged
             plane: (low < high)
             * soundings.interpolated(soundings.wind(azimuth, plane, strong), height)
             for plane in PLANES
@@ -397,6 +403,7 @@ class Judge:
         unknown, size = np.zeros(height.shape, dtype=bool), wind
         if strong:
             usual = np.interp(height, self.heights, self.strength[plane, azimuth])
+            # where no level is near, any wind that is judged may blow; else the archive bounds it
             unbounded = soundings.unknown(height, MAX_BOUNDED_DISTANCE)
             strongest = np.where(unbounded, self.path.fastest_wind(height), usual)
             unknown, size = soundings.unknown(height), np.maximum(np.abs(wind), strongest)

@@ -284,13 +284,13 @@ class SoundingWinds:
         height, offsets = soundings.height, soundings.offsets
         wide = np.diff(height) > MAX_LEVEL_DISTANCE
         wide &= (height[:-1] < path.height[-1]) & (height[1:] > path.height[0])
-        wide[offsets[1:-1] - 1] = False
-        below = np.flatnonzero(wide)
+        wide[offsets[1:-1] - 1] = False  # between two soundings is no gap
+        below = np.flatnonzero(wide)  # level below each gap; two levels are added after it
         at = np.repeat(below + 1, 2)
         edges = np.stack(
             [height[below] + _EDGE_DISTANCE, height[below + 1] - _EDGE_DISTANCE], axis=-1
         ).ravel()
-        more = 2 * np.bincount(
+        more = 2 * np.bincount(  # levels added in each sounding, after its first index
             np.searchsorted(offsets, below, side="right"), minlength=offsets.size
         )
         return cls(
@@ -298,7 +298,7 @@ class SoundingWinds:
             np.insert(soundings.east, at, 0.0),
             np.insert(soundings.north, at, 0.0),
             offsets + np.cumsum(more[: offsets.size]),
-            below + 1 + 2 * np.arange(below.size),
+            below + 1 + 2 * np.arange(below.size),  # the first added level, among all levels
         )
 
     def select(self, index: NDArray[np.intp]) -> SoundingWinds:
@@ -330,6 +330,7 @@ class SoundingWinds:
     @property
     def has_bounded_gaps(self) -> BoolArray:
         """Whether a sounding has a gap of at most `MAX_BOUNDED_DISTANCE`, ``(n,)``."""
+        # the measured levels above and below the two that are added in a gap
         distance = self.height[self.gaps + 2] - self.height[self.gaps - 1]
         return self._with_gaps(self.gaps[distance <= MAX_BOUNDED_DISTANCE])
 
@@ -357,6 +358,7 @@ class SoundingWinds:
         if self.gaps.size:
             below, above = wind[self.gaps - 1], wind[self.gaps + 2]
             stronger = np.where(np.abs(below) > np.abs(above), below, above)
+            # at both added levels of a gap
             wind[self.gaps] = wind[self.gaps + 1] = stronger if strong else 0.0
         return np.asarray(wind)
 
@@ -374,7 +376,8 @@ class SoundingWinds:
         steep = wind > np.sin(MAX_LINEAR_ANGLE) * np.interp(height, path.height, path.speed)
         ends = np.tile(path.height[[0, -1]], (height.shape[0], 1))
         for i in np.flatnonzero(steep.any(axis=1)).tolist():
-            run = longest_interval(np.interp(height[i], path.height, path.time), ~steep[i])
+            times = np.interp(height[i], path.height, path.time)
+            run = longest_interval(times, ~steep[i])
             ends[i] = np.nan
             if run.start < run.stop:
                 low, high = height[i, run.start], height[i, run.stop - 1]
@@ -390,6 +393,7 @@ class SoundingWinds:
         levels, and in gaps wider than `distance` [m].
         """
         gaps = self.gaps[self.height[self.gaps + 2] - self.height[self.gaps - 1] > distance]
+        # one within a gap and zero outside, interpolated as a wind is
         edge = np.zeros(self.height.size)
         edge[gaps] = edge[gaps + 1] = 1.0
         outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
@@ -432,7 +436,9 @@ class SoundingWinds:
     def interpolated(self, wind: FloatArray, height: FloatArray) -> FloatArray:
         """Return winds [m/s] at heights [m], ``(n, k)``; beyond the levels they are constant.
 
-        `wind`: winds at the levels of all soundings, in the order of `height` of this record.
+        `wind`: winds at the levels of all soundings, in the order of `height` of this record. Each
+        sounding's heights are shifted beyond those of the one before, so that one call of
+        `np.interp` serves all.
         """
         shifts = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
         inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])
@@ -475,7 +481,9 @@ class LineWinds:
 
         `ends`: begin of the first step and ends of all S steps [s], ``(S + 1,)``. The middle value
         of a step is from the integral of the wind over it, so that its parabola has the wind's
-        impulse.
+        impulse: 1.5 times the mean over the step, less a quarter of the values at both ends. Winds
+        are zero before their first time and after their last; the step in which a wind begins
+        starts at its onset.
         """
         knots, (n, k) = self.times, self.times.shape
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
@@ -484,12 +492,13 @@ class LineWinds:
         first = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
         first += (steps + 2) * np.arange(n)[:, np.newaxis]  # the first end not before each knot
         begun = np.bincount(first.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
+        # the straight line of each wind on which each end of a step lies
         line = np.clip(np.cumsum(begun, axis=1)[:, :-1] - 1, 0, k - 2)
         flat = line + k * np.arange(n)[:, np.newaxis]
         within = np.clip(ends, knots[:, :1], knots[:, -1:])
         inside, width = within == ends, np.diff(knots, append=knots[:, -1:])
         after = within - knots.take(flat)
-        late = np.flatnonzero(onset > 0.0)
+        late = np.flatnonzero(onset > 0.0)  # winds that begin after the first step does
         begins = np.floor(onset[late]).astype(np.int64)
         times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
         if late.size:
@@ -500,7 +509,7 @@ class LineWinds:
         for wind in (self.speeds[plane] for plane in PLANES):
             rise = np.diff(wind, append=wind[:, -1:])
             slope = np.divide(rise, width, out=np.zeros_like(width), where=width > 0.0)
-            areas = width * (wind + 0.5 * rise)
+            areas = width * (wind + 0.5 * rise)  # integral of each line
             begin, slopes = wind.take(flat), slope.take(flat)
             area = np.cumsum(areas, axis=1).take(flat) - areas.take(flat)
             mean = np.diff(area + (begin + 0.5 * slopes * after) * after) / length
@@ -509,7 +518,7 @@ class LineWinds:
             samples[..., 0], samples[..., 2] = values[:, :-1], values[:, 1:]
             if late.size:
                 samples[late, begins, 0] = wind[late, 0]
-                mean[late, begins] /= begins + 1 - onset[late]
+                mean[late, begins] /= begins + 1 - onset[late]  # over the part of the step
             samples[..., 1] = 1.5 * mean - 0.25 * (samples[..., 0] + samples[..., 2])
             both_planes.append(samples)
         return times, *both_planes, onset
@@ -531,6 +540,7 @@ class LineWinds:
         parts = np.linspace(gust.onset, gust.end, _GUST_SEGMENTS + 1)
         inside = np.clip(at[:, np.newaxis] + parts - middle, times[:, :1], times[:, -1:])
         finer = np.sort(np.concatenate([times, inside], axis=1), axis=1)
+        # the gust in its own time, zero before and after
         angle = np.interp(finer - at[:, np.newaxis] + middle, parts, gust(parts), 0.0, 0.0)
         speeds = {name: on_lines(times, values, finer) for name, values in self.speeds.items()}
         return LineWinds(finer, speeds | {plane: speeds[plane] + speed(angle, finer)})
@@ -539,7 +549,8 @@ class LineWinds:
 def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
     """Return values interpolated linearly at times `at` [s], ``(n, j)``.
 
-    `times`, `values`: n rows of ascending times [s] and values at them, ``(n, k)``.
+    `times`, `values`: n rows of ascending times [s] and values at them, ``(n, k)``. Rows are
+    shifted, each beyond the one before, so that one call of `np.interp` serves all.
     """
     shifts = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
     return np.interp((at + shifts).ravel(), (times + shifts).ravel(), values.ravel()).reshape(
