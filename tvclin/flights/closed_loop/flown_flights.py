@@ -57,7 +57,10 @@ class FlownFlight:
     goes_on: bool = False
 
     def loops(self, times: FloatArray) -> tuple[AnyPlant, Autopilot]:
-        """Return the plants and the autopilots of the flight at times [s], batches ``(n,)``."""
+        """Return the plants and the autopilots of the flight at times [s], batches ``(n,)``.
+
+        Plants are at the dynamic pressure encountered in the wind.
+        """
         together, which = FlownFlights([self]), np.zeros(times.size, np.int64)
         pressure = together.pressure_at(times, which)
         return together.plants_at(times, which, pressure), together.laws_at(times, which)
@@ -107,7 +110,8 @@ class FlownFlight:
     def further(self) -> FlownFlight | None:
         """The same flight with a later end, at which it can be settled; None if it cannot go on.
 
-        It cannot in a wind that lasts as long as it is known.
+        It cannot in a wind that lasts as long as it is known, nor with a vehicle whose flights have
+        no outcome (`decidable`). The end is six settling times after the wind.
         """
         end = float(np.max(self.wind.history.end))
         if not self.goes_on or not end < self.wind.known[1]:
@@ -130,6 +134,7 @@ class FlownFlights:
 
         `pressure`: dynamic pressure q/q_n, ``(n,)``.
         """
+        # model and plane are those of all flights
         first, schedules = self.flights[0], [flight.flight for flight in self.flights]
         vehicles = vehicles_at(schedules, self._within(times), which, pressure)
         return plants_of(vehicles, first.model, first.plane)
@@ -145,7 +150,10 @@ class FlownFlights:
         return pressure
 
     def laws_at(self, times: FloatArray, which: IntArray) -> Autopilot:
-        """Return the autopilots at times [s] of the flights with indices `which`, each ``(n,)``."""
+        """Return the autopilots at times [s] of the flights with indices `which`, each ``(n,)``.
+
+        Only their gains differ between flights; filters and hardware are those of the first.
+        """
         first, times = self.flights[0], self._within(times)
         laws = autopilot_along(first.autopilot, first.gain_flight, times)
         if all(flight.autopilot is first.autopilot for flight in self.flights):
@@ -248,7 +256,8 @@ def flown_in_winds(
 
     `stages`: matrices of the loops at their samples, and winds. `which`: index of the wind of each
     flight, ``(m,)``. `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``.
-    `track`: whether the samples of a single flight are recorded.
+    `track`: whether the samples of a single flight are recorded. "rings" needs the loops at their
+    ends (`unstable_loops`).
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
@@ -275,6 +284,7 @@ def fly_together(
     winds of the m flights, counted from the first wind of the first flight to the last of the last.
     `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``.
     """
+    # index of the first wind of each flight among all
     winds = np.cumsum([0, *(int(np.prod(flight.wind.history.batch)) for flight in flights)])
     parts: list[tuple[IntArray, FlownCases]] = []
     for part, stages in stages_in_parts(flights):
@@ -282,13 +292,14 @@ def fly_together(
         cases = np.flatnonzero((which >= first) & (which < last))
         made, _ = flown_in_winds(stages, which[cases] - first, limit[cases], rate_limit[cases])
         parts.append((cases, made))
-    order = np.argsort(np.concatenate([cases for cases, _ in parts]))
+    order = np.argsort(np.concatenate([cases for cases, _ in parts]))  # of the m flights as given
     flown = FlownCases(
         **{
             name: np.concatenate([getattr(made, name) for _, made in parts])[order]
             for name in FlownCases.__dataclass_fields__
         }
     )
+    # Undecided flights go on: `owner` is the index of the flight to which a wind belongs
     owner = np.searchsorted(winds, which, side="right") - 1
     undecided = flown.status == UNDECIDED
     owners = [k for k in np.unique(owner[undecided]).tolist() if flights[k].further is not None]
@@ -316,7 +327,10 @@ def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Sta
 
 
 def _parts(flights: Sequence[FlownFlight]) -> Iterator[slice]:
-    """Yield slices of flights whose matrices at all samples are in memory at one time."""
+    """Yield slices of flights whose matrices at all samples are in memory at one time.
+
+    They have at most `_MAX_STAGES` samples together, or are a single flight.
+    """
     samples = [
         (flight.stop - flight.start) * float(np.asarray(flight.law.sample_rate or 1.0))
         for flight in flights

@@ -253,16 +253,17 @@ def sampled_outputs(
 ) -> Iterator[FlightAlong]:
     """Yield the outputs of sampled flights with one model and autopilot, in their order.
 
-    Their stages are computed together. `limit`, `rate_limit`: limits of deflection [rad] and rate
-    [rad/s]. `slopes`: alpha_moment and deflection_moment [N m/rad] at the times of the schedule,
-    for a bending moment.
+    Their stages, the matrices of the loop at each sample, are computed together. A flight that is
+    undecided at the end of the schedule is flown again with a later end, if it can go on. `limit`,
+    `rate_limit`: limits of deflection [rad] and rate [rad/s]. `slopes`: alpha_moment and
+    deflection_moment [N m/rad] at the times of the schedule, for a bending moment.
     """
     for part, stages in stages_in_parts(flights):
         flown: list[FlightAlong | None] = []
         further: list[FlownFlight] = []
         for k, along in enumerate(flights[part]):
             case = np.array([k]), np.array([limit]), np.array([rate_limit])
-            made, f = flown_in_winds(stages, *case, track=True)
+            made, f = flown_in_winds(stages, *case, track=True)  # outcomes, recorded arrays
             status = str(made.status[0])
             if status == UNDECIDED and along.further is not None:
                 further.append(along.further)
@@ -366,8 +367,10 @@ def _moment_slope(flight: FlightSchedule, name: str, value: ArrayLike) -> FloatA
 def tracked_states(f: Flights, limit: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times [s], states with deflection [rad], and deflection rates [rad/s] of a flight.
 
-    Shapes ``(n,)``, ``(n, states + 1)`` and ``(n,)``. `f`: a sampled flight at its end, with its
-    recorded samples. `limit`: deflection limit [rad].
+    Shapes ``(n,)``, ``(n, states + 1)`` and ``(n,)``. The nozzle is the state after the n of the
+    plant; its rate is a state too if the actuator is of second order, else the differences of the
+    deflection. `f`: a sampled flight at its end, with its recorded samples. `limit`: deflection
+    limit [rad].
     """
     per_sample, order = int(f.steps.substeps[0].sum()), f.now.y.shape[1]
     y = np.concatenate([f.track[::per_sample, :order], f.now.y])
@@ -383,8 +386,10 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     """Return times [s] ``(k,)``, states and deflection rates of a flight of a continuous loop.
 
     The states of the plant and then the deflection [rad] are ``(k, n + 1)``, the deflection rates
-    [rad/s] ``(k,)``. Steps end at the breakpoints of the wind and at the times of the data.
-    `along`: the flight, with its autopilot and wind.
+    [rad/s] ``(k,)``. Steps end at the breakpoints of the wind and at the times of the data. Each is
+    the matrix exponential of the constant loop that equals the varying one to fourth order. The
+    delay is a Pade approximation. `InputError` if that changes the number of unstable poles, and
+    for a motion without bounds. `along`: the flight, with its autopilot and wind.
     """
     wind, inner, delay = along.wind.history, along.breaks, float(np.unique(along.law.delay)[0])
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
@@ -399,6 +404,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     count = int(np.ceil((along.stop - along.start) / _CONTINUOUS_STEP - 1e-9))
     check_samples(along.stop - along.start, _CONTINUOUS_STEP)
     times = np.unique(np.concatenate([np.linspace(along.start, along.stop, count + 1), inner]))
+    # steps shorter than rounding are joined
     times = times[np.append(True, np.diff(times) > 1e-9 * max(abs(along.stop), 1.0))]
     lengths, terms = np.diff(times), pieces.shape[1]
     systems = [
@@ -406,7 +412,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
         for node in GAUSS_NODES
     ]
     steps = constant_over_steps(systems[0], systems[1], lengths).to_steps(lengths).A
-    order = steps.shape[-1] - terms
+    order = steps.shape[-1] - terms  # states of the loop, ahead of those of the wind's polynomial
     index = np.searchsorted(knots, times[:-1] + 1e-12, side="right") - 1
     local = np.array(
         [_coefficients_at(pieces, knots, int(j), t) for j, t in zip(index, times, strict=False)]
@@ -433,8 +439,9 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
 def _coefficients_at(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> FloatArray:
     """Return the coefficients of a wind's polynomial about a time [s]; zeros before its onset.
 
-    `pieces`: coefficients about the breakpoints, ``(k, terms)``. `knots`: breakpoints [s],
-    ``(k,)``. `j`: index of the piece, or -1.
+    The coefficient of power k is the k-th derivative there over k!. `pieces`: coefficients about
+    the breakpoints, ``(k, terms)``. `knots`: breakpoints [s], ``(k,)``. `j`: index of the piece, or
+    -1.
     """
     if j < 0:
         return np.zeros(pieces.shape[1])
@@ -455,11 +462,13 @@ def with_outputs(
     """Return a flight with its outputs at n times by name, ``(n,)`` each, in SI units and radians.
 
     `along`: the flight, with its autopilot and wind. `times`: flight times [s]. `rows`: states of
-    the plant and deflection [rad], ``(n, m + 1)``. `rates`: deflection rates [rad/s]. `slopes`: see
-    `sampled_outputs`.
+    the plant and deflection [rad], ``(n, m + 1)``. `rates`: deflection rates [rad/s]. `status`:
+    status of the flight. `slopes`: see `sampled_outputs`. Outputs are C x + D u of the plants, x
+    being the states, u deflection and wind; after the end of the schedule numbers of the vehicle
+    are those of the end.
     """
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
-    ratio = along.wind.pressure(inside)
+    ratio = along.wind.pressure(inside)  # q/q_n encountered in the wind
     plants = FlownFlights([along]).plants_at(inside, np.zeros(inside.size, np.int64), ratio)
     within = np.minimum(inside, flight.span[1])
     gust = np.asarray(along.wind.history(times), float)

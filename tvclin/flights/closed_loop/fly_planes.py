@@ -74,7 +74,12 @@ def plane_flights(
 
 @dataclass(frozen=True, eq=False)
 class PlaneOutcomes:
-    """Peaks, ends and outcomes of flights in both planes; `shown` are samples of a single one."""
+    """Peaks, ends and outcomes of m flights in both planes, ``(m,)``, filled while they are flown.
+
+    `attitude`, `deflection`: largest vectors [rad]. `saturated`: samples at the limit. `ended`:
+    number of the last sample, -1 before. `outcome`: index in `STATUS`. `shown`: attitude and
+    deflection vectors [rad] at the samples of a single flight.
+    """
 
     attitude: FloatArray
     deflection: FloatArray
@@ -88,7 +93,9 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
     """Return the outcomes of m flights whose planes are stepped together until all are decided.
 
     `pair`: arrays of the flights in pitch and in yaw. `law`: law of both planes, with the limit
-    shape. `limit`: limits of the vector [rad], ``(m,)``. Vectors are complex, pitch + j yaw.
+    shape. `limit`: limits of the vector [rad], ``(m,)``. Vectors are complex, pitch + j yaw. The
+    gauge of the shape is the size of a vector over the unit limit. Each plane gets its component of
+    the limited command, which no limiter of a plane changes.
     """
     m, order, limit_shape = limit.size, len(law.law.states[0]), law.shape
     outcomes = PlaneOutcomes(
@@ -98,6 +105,7 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
     last = int(max(f.cases.finish.max(initial=-1) for f in pair))
     for f in pair:
         f.cases.finish[:] = last
+    # state 0 is the attitude; the deflection is the state after those of the plant
     for k in range(last + 1):
         active = np.flatnonzero(outcomes.ended < 0)
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
@@ -146,14 +154,17 @@ def _decide(
 ) -> None:
     """End the flights of which one plane has diverged, or both have settled, in place.
 
-    `pair`: arrays of the flights in pitch and in yaw. `limit_shape`: limit shape of unit limit.
-    `limit`: limits of the vector [rad], ``(m,)``. `outcomes`: results, which are updated. `k`:
-    number of the sample. `last`: whether it is the last one, at which all flights end.
+    Both must also be settled as a vector: its unstable coordinates, over their reach, are inside
+    the limit shape. `pair`: arrays of the flights in pitch and in yaw. `limit_shape`: limit shape
+    of unit limit. `limit`: limits of the vector [rad], ``(m,)``. `outcomes`: results, which are
+    updated. `k`: number of the sample. `last`: whether it is the last one, at which all flights
+    end.
     """
     pitch, yaw = (f.now.outcome for f in pair)
     lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
     survived = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
     if np.any(survived):
+        # fast unstable coordinate of each plane [rad], over its reach per deflection limit
         z = [f.now.y @ f.vehicles.judges[0, 0] / f.vehicles.reach[0] for f in pair]
         with np.errstate(all="ignore"):
             ratio = limit_shape.gauge(np.where(survived, z[0] + 1j * z[1], 0.0))
@@ -408,7 +419,8 @@ def _record(
 ) -> FlownPlanes:
     """Return the outcomes as a public record, in the shape of the limits.
 
-    `start`: start of the flights [s]. `length`: sample period [s]. `shape`: shape of the limits.
+    Saturated samples become a fraction of all, and the last sample a time. `start`: start of the
+    flights [s]. `length`: sample period [s]. `shape`: shape of the limits.
     """
     shown = np.array(outcomes.shown).reshape(-1, 2)
     end: FloatArray = np.asarray(start + outcomes.ended * length)

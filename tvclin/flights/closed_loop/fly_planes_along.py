@@ -146,8 +146,9 @@ def _flight_in_planes(
 ) -> FlightAlong:
     """Return the outputs and the status of a sampled flight in both planes.
 
-    `pair`: flights in pitch and in yaw. `shape`: limit shape of unit limit. `limit`, `rate_limit`:
-    limits of the deflection vector [rad] and of the rate in each plane [rad/s].
+    The flight has the worse status of both planes. `pair`: flights in pitch and in yaw. `shape`:
+    limit shape of unit limit. `limit`, `rate_limit`: limits of the deflection vector [rad] and of
+    the rate in each plane [rad/s].
     """
     which, rates = np.zeros(1, np.int64), np.array([rate_limit])
     batches = [
@@ -161,9 +162,11 @@ def _flight_in_planes(
     with repeated(SIMILAR_RUNS):
         finish_in_planes(flights[0], flights[1], _normals(shape), np.array([limit]))
         for batch, f, inner in zip(batches, flights, _separate_limits(shape), strict=True):
+            # limit cycles are looked for with the largest limits of planes that are separate
             within = f._replace(cases=f.cases._replace(limit=np.array([limit * inner])))
             cases = flown_cases(f, np.ones(1, bool), unstable_loops(batch, within))
             statuses.add(str(cases.status[0]))
+    # the worst of both planes, worst first
     status = next(word for word in (LOST, RINGS, UNDECIDED, SURVIVED) if word in statuses)
     by_plane = {
         plane: with_outputs(along, *tracked_states(f, limit * plane_limit), status, {})
@@ -187,7 +190,11 @@ def _normals(shape: CircularShape | PolygonShape) -> FloatArray:
 
 
 def _separate_limits(shape: CircularShape | PolygonShape) -> FloatArray:
-    """Return the limits of both planes within a limit shape, normalised by its limit, ``(2,)``."""
+    """Return the limits of both planes within a limit shape, normalised by its limit, ``(2,)``.
+
+    Each plane may use its limit whatever the other does: they are the sides of a rectangle in the
+    shape, or of the largest one inside a shape that is none.
+    """
     if isinstance(shape, PolygonShape) and shape.by_planes:
         return shape.plane_limits
     return shape.each_plane().plane_limits
@@ -198,8 +205,10 @@ def _vector_flight(
 ) -> FlightAlong:
     """Return the outputs of a flight in both planes from those in each, with the common status.
 
-    `by_plane`: flights in pitch and yaw. `shape`: limit shape of unit limit. `limit`: deflection
-    limit [rad].
+    The deflection is in the measure (`gauge`) of the limit shape, the rate the larger of both
+    planes, and the others are magnitudes of vectors. A flight that survives with a deflection
+    beyond the limit becomes "outside", which is not known. `by_plane`: flights in pitch and yaw.
+    `shape`: limit shape of unit limit. `limit`: deflection limit [rad].
     """
     pitch, yaw = (by_plane[plane] for plane in PLANES)
     outputs = {

@@ -93,8 +93,8 @@ def limit_of_flight(
     """Return the smallest deflection limit [rad] above which a flight survives its wind.
 
     `along`: flight of an autopilot with a sample rate. `rate_limit`: limit of the deflection rate
-    [rad/s]. `highest`: largest limit of the scan, over the largest trim deflection. Same exceptions
-    as `survival_limit_along`.
+    [rad/s]. `highest`: largest limit of the scan, over the largest trim deflection. The scan begins
+    at 0.02 of that trim deflection. Same exceptions as `survival_limit_along`.
     """
     top = number("highest", highest, positive)
     if not _LOWEST < top:
@@ -114,7 +114,9 @@ def limit_of_flight(
 def _largest_trim(along: FlownFlight) -> float:
     """Return the largest trim deflection ``|B(t) alpha_w(t)|`` [rad] of a flight in its wind.
 
-    `InputError` for a calm; `NotKnownError` for a wind beyond linear aerodynamics.
+    It is at the dynamic pressure encountered; B is the trim deflection per angle of attack. After
+    the end of the schedule the vehicle is that of its end. `InputError` for a calm;
+    `NotKnownError` for a wind beyond linear aerodynamics.
     """
     wind: WindAlong = along.wind
     times = np.maximum(wind.history.probe_times(), along.start)

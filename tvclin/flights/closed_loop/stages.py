@@ -93,7 +93,8 @@ class Stages:
     def plants_at(self, times: FloatArray, flight: IntArray) -> AnyPlant:
         """Return the plants at times [s] of the flights with indices `flight`, each ``(n,)``.
 
-        After the end of a flight they are those at its end.
+        After the end of a flight they are those at its end. They are at the dynamic pressure
+        encountered in its winds.
         """
         inside = np.minimum(times, self.stops[flight])
         return self.flown_plants(inside, flight, self.pressure_at(inside, flight))
@@ -113,7 +114,7 @@ class Stages:
 
     @cached_property
     def times(self) -> FloatArray:
-        """Times of the samples [s], the end of each flight included, ``(n,)``."""
+        """Times of the samples [s], the end of each flight included, ``(n,)``, flight by flight."""
         numbers = np.arange(self.flight.size) - self.first[self.flight]
         return np.asarray(self.starts[self.flight] + self.period * numbers)
 
@@ -151,8 +152,10 @@ class Stages:
     def batch(self, which: IntArray, limit: FloatArray, rate_limit: FloatArray) -> Batch:
         """Return a batch of m flights with limits, from equilibrium.
 
-        `which`: index of the wind of each flight, ``(m,)``, which also selects its vehicle.
-        `limit`, `rate_limit`: limits of deflection [rad] and deflection rate [rad/s], ``(m,)``.
+        Laws and vehicles of the batch are one for each sample of all flights; the index of a flight
+        is that of its first sample, from which the kernel counts on. `which`: index of the wind of
+        each flight, ``(m,)``, which also selects its vehicle. `limit`, `rate_limit`: limits of
+        deflection [rad] and deflection rate [rad/s], ``(m,)``.
         """
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
         vehicle = self.first[self.flight_of_wind[which]]
@@ -174,9 +177,10 @@ class Stages:
         """Return the arrays of the kernel for flights at their start, in equilibrium.
 
         `batch`: result of `Stages.batch`. `track`: whether the samples of a single flight are
-        recorded.
+        recorded. The kernel steps from sample to sample with the matrices of each.
         """
         steps, (knots, pieces) = self.steps, self._pieces
+        # `order` states of vehicle and nozzle; N in `Steps`
         order, memory, cases = steps.joint.shape[2], self._memory, self._cases(batch)
         now = equilibrium(
             cases.limit.size,
@@ -185,6 +189,7 @@ class Stages:
             pieces.shape[2],
             memory.states.shape[1],
         )
+        # index of the last breakpoint of the wind that is not after the start
         now.piece[:] = (knots[cases.wind] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
         samples = int(self.samples[self.flight_of_wind[cases.wind[0]]])
         rows = int(steps.substeps[0].sum()) * samples if track else 0
@@ -244,7 +249,8 @@ class Stages:
     def _arrays(self) -> dict[str, FloatArray]:
         """Transition matrices and sensor rows of all samples by name, as in `Steps` and `Vehicles`.
 
-        Samples within an interval of smooth plants are interpolated.
+        Samples within an interval of smooth plants are interpolated, in time; in winds with many
+        breakpoints, such as soundings, in time and in dynamic pressure.
         """
         if not self._by_pressure:
             interval = self._interval(self.breaks)
@@ -265,7 +271,9 @@ class Stages:
         """Return the matrices of all n samples by name, interpolated in time and dynamic pressure.
 
         `interval`: number of the interval of each sample in which its vehicle is smooth, ``(n,)``;
-        negative for none. `pressure`: q/q_n at the times of `_places`, ``(places, n)``.
+        negative for none. `pressure`: q/q_n at the times of `_places`, ``(places, n)``. A run of
+        samples in one interval is interpolated if it is long enough and its interpolant (`surface`)
+        converges; else its matrices are computed.
         """
         edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), interval.size]
         exact, pending = np.ones(interval.size, bool), []
@@ -284,15 +292,17 @@ class Stages:
         }
         for name, array in first.items():
             arrays[name][rows] = array
-        parts = len(pressure) // 2 - 1
+        parts = len(pressure) // 2 - 1  # places: two Gauss points of each part, start, middle
         for run, surface in pending:
             times, at = self.times[run], pressure[:, run]
             still = np.zeros(times.size)
             for p in range(parts):
+                # pressure in the middle of the part, and its change to the second Gauss point
                 mean, change = 0.5 * (at[p] + at[parts + p]), 0.5 * (at[parts + p] - at[p])
                 factors = surface.factors(times, mean, change)
                 for name in arrays.keys() - {"shown", "A", "gust"}:
                     surface.write(name, p, factors, arrays[name][run, p])
+            # sensor rows at the start of a sample, A and gust input in its middle
             for place, names in ((-2, ("shown",)), (-1, ("A", "gust"))):
                 factors = surface.factors(times, at[place], still)
                 for name in names:
@@ -302,8 +312,10 @@ class Stages:
     def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
         """Return the interpolant of the matrices in the interval of time that contains a sample.
 
-        `sample`: index of the sample. `pressure`: values of q/q_n that its range of pressures
-        includes. None where it does not converge, and for a range in which a vehicle is impossible.
+        Interpolants are kept, and used again by flights that are `alike`. `sample`: index of the
+        sample. `pressure`: values of q/q_n that its range of pressures includes, in multiples of
+        `_PRESSURE_RANGE`. None where it does not converge, and for a range in which a vehicle is
+        impossible.
         """
         flight = int(self.flight[sample])
         breaks = self.vehicle_breaks[flight]
@@ -330,6 +342,7 @@ class Stages:
         """
         places = self._places(times)
         parts = len(places) // 2 - 1
+        # -1 at the first Gauss points, 1 at the second ones, 0 at start and middle of a sample
         sides = np.repeat([-1.0, 1.0, 0.0], [parts, parts, 2])[:, np.newaxis]
         which = np.full(places.size, flight)
         return self._assembled(places, which, (pressure + sides * change).ravel(), middle=True)
@@ -340,6 +353,7 @@ class Stages:
         They are the first Gauss point of each part of a sample, the second ones, its start, and its
         middle. `times`: starts of the samples [s], ``(m,)``.
         """
+        # lengths [s] of the parts of a sample; the first is that after the arrival of a command
         lengths = self._timing.lengths[0, 1:, np.newaxis]
         begins = times + np.stack([self.period - lengths[0], [0.0]])[: len(lengths)]
         at = [begins + node * lengths for node in GAUSS_NODES]
@@ -352,6 +366,7 @@ class Stages:
         breakpoint inside has the number of its start, and not -1.
         """
         numbers, before = np.empty(self.times.size, np.int64), 0
+        # a rounding before the end, so that a breakpoint there is not inside the sample
         ends = (self.times + self.period) * (1.0 - 1e-15)
         for k, times in enumerate(breaks):
             of_flight = slice(self.first[k], self.first[k] + self.samples[k] + 1)
@@ -384,7 +399,9 @@ class Stages:
         `places`: times [s] ``(places, m)``: the first Gauss points of each part of a sample, the
         second ones, the starts of the samples, and perhaps their middles. `flight`, `pressure`:
         indices of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places
-        include the middles, and the matrices A and gust input there.
+        include the middles, and the matrices A and gust input there. Step matrices are those of the
+        constant system that equals the varying one over a part to fourth order, from its values at
+        both Gauss points.
         """
         count, terms, shape = places.shape[1], self._pieces[1].shape[2], flight.shape
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
@@ -410,7 +427,7 @@ class Stages:
             )
             return constant_over_steps(first, second, lengths)
 
-        plant = at_place(2 * len(lengths))
+        plant = at_place(2 * len(lengths))  # at the starts: after two Gauss points of each part
         driven = at_nodes(connect(blocks, INPUTS[:1], ()))
         steps = steps_of(driven, at_nodes(with_ramp(system)), plant, timing, terms)
         arrays = {"joint": steps.joint, "ramp": steps.ramp, "shown": sensed_rows(plant)}
@@ -425,7 +442,8 @@ class Stages:
     def _criteria(self) -> dict[str, FloatArray]:
         """Outcome criteria of all samples: judges, reach and ratio as in `Vehicles`, by name.
 
-        Those of samples at which no flight is judged are NaN.
+        Those of samples at which no flight is judged are NaN: it is judged every `JUDGED_SAMPLES`
+        samples after its wind, or in its last seconds.
         """
         judged = np.zeros(self.times.size, bool)
         for wind, end in enumerate(self._judged[0]):
@@ -450,7 +468,11 @@ class Stages:
 
     @cached_property
     def _memory(self) -> Memory:
-        """Step matrices of the states of laws and filters, for each sample or one for all."""
+        """Step matrices of the states of laws and filters, for each sample or one for all.
+
+        There is one for each where a filter varies along the flight. The only state of a law
+        without filters is the integral of the attitude.
+        """
         laws, count = self.laws, self.times.size
         integral = attitude_integral(bool(np.any(laws.integral_gain)))
         chains = Chains(laws.attitude_filters, laws.rate_filters, laws.filters)
@@ -466,8 +488,9 @@ class Stages:
     def _judged(self) -> tuple[IntArray, IntArray]:
         """Samples after which flights through each wind are judged, and for which they settle.
 
-        Both are ``(w,)``. In a wind that lasts until the end of the flight the first is the
-        settling time before that end.
+        A flight survives if it stays settled for the second number of samples. Both are ``(w,)``.
+        In a wind that lasts until the end of the flight the first is the settling time before that
+        end.
         """
         h, flight = self.period, self.flight_of_wind
         samples, ends = self.samples[flight], self._ends[0] - self.first[flight]
@@ -490,7 +513,11 @@ class Stages:
         return self.first[flight] + np.stack([np.minimum(ends, samples), samples])
 
     def _cases(self, batch: Batch) -> Cases:
-        """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel."""
+        """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
+
+        `batch`: result of `Stages.batch`. Vehicle, law and memory are indices of the first sample
+        of a flight, from which `stages` follow each other.
+        """
         count, (vehicle, wind) = batch.shape[0], batch.indices
         flight, (ends, settling) = self.flight_of_wind[wind], self._judged
         zeros, several = np.zeros(count, np.int64), len(self._memory.states) > 1
@@ -515,9 +542,11 @@ class Stages:
     def vehicles(self) -> Vehicles:
         """Sensor rows and outcome criteria of the vehicles of all samples.
 
-        A and gust input are set in samples next to a knot of the wind, or in all.
+        A and gust input are set in samples next to a knot of the wind, or in all. `fastest` is the
+        size of the largest pole [1/s] at the breakpoints of a flight, the same in all its samples.
         """
         arrays, moving = self._arrays, self.sensors.system(self.plants)
+        # `plants` are at the breakpoints of each flight, and at last in the samples next to knots
         starts = np.cumsum([0, *(times.size for times in self.vehicle_breaks)])
         poles = np.abs(np.linalg.eigvals(moving.A[: starts[-1]])).max(axis=-1)
         fastest = np.maximum.reduceat(poles, starts[:-1])[self.flight]
@@ -543,7 +572,10 @@ class Stages:
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
-    """Return a system, or a flat batch of systems, as a batch of the shape (parts, samples)."""
+    """Return a system, or a flat batch of systems, as a batch of the shape (parts, samples).
+
+    `shape`: that shape.
+    """
 
     def shaped(matrix: FloatArray) -> FloatArray:
         """Return a matrix, or a flat batch of matrices, as a batch of the shape."""

@@ -128,8 +128,9 @@ class MotionReaders(NamedTuple):
 def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
     """Return the functions that read the motion in a plane; yaw angles are positive to the right.
 
-    `engine`: JSBSim with the vehicle. `plane`: "pitch" or "yaw". `heading`: direction of the
-    vertical plane of the nominal flight [rad], from north over east.
+    JSBSim works in feet and pounds, in body axes with z down and y to the right: a force upwards is
+    minus its z. `engine`: JSBSim with the vehicle. `plane`: "pitch" or "yaw". `heading`: direction
+    of the vertical plane of the nominal flight [rad], from north over east.
     """
     read = engine.reader
     axis = "q" if plane == "pitch" else "r"
@@ -169,7 +170,8 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
 def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float], None]:
     """Return the function that sets a wind [m/s] along the flight (pitch) or to its right (yaw).
 
-    `engine`: JSBSim with the vehicle. `heading`: direction of flight [rad], from north over east.
+    A component of the wind that is zero by rounding is never written. `engine`: JSBSim with the
+    vehicle. `plane`: "pitch" or "yaw". `heading`: direction of flight [rad], from north over east.
     """
     north, east = cos(heading), sin(heading)
     if plane == "yaw":
@@ -192,7 +194,8 @@ def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float],
 
 
 Row = tuple[float, ...]
-"""`OUTPUTS`, force per mass normal to the body [m/s^2], and acceleration of the attitude."""
+"""`OUTPUTS` at [0] to [4], from attitude to deflection; [5] force per mass normal to the body
+[m/s^2], [6] acceleration of the attitude [rad/s^2]."""
 _COLUMNS = len(OUTPUTS) + 2
 _ACCELEROMETER = LateralSensors(acceleration=True)
 """Sensors with which the force of the nominal flight is recorded."""
@@ -238,7 +241,8 @@ class Prediction:
         """Return the predicted measurements of a law, minus the outputs of the nominal flight.
 
         `angle`: wind angle [rad] at the end of the step. `nominal`: outputs of the nominal flight
-        there.
+        there, a `Row`. The rate is that of second-order Adams-Bashforth; attitude and path rotate
+        on, and the angle of attack changes by the rotation of attitude, path and wind.
         """
         h, rate = self._step, self._rate
         next_rate = rate + h * (1.5 * self._acceleration - 0.5 * self._acceleration_before)
@@ -257,7 +261,9 @@ class Prediction:
         """Return the outputs after a step, minus those of the nominal flight, and update the state.
 
         `deflection`: deflection [rad], and `angle`: wind angle [rad] in the step. `nominal`:
-        outputs of the nominal flight at its end.
+        outputs of the nominal flight at its end, a `Row`: attitude, its rate, path angle, angle of
+        attack, deflection, force per mass and attitude acceleration. The force is zero without
+        lateral sensors.
         """
         self._acceleration_before, self._path_before = self._acceleration, self._path
         self._deflection, self._wind_angle = deflection, angle
@@ -381,9 +387,10 @@ class Airframe:
     def _nominal_rows(self, count: int, trajectory: FloatArray | None) -> Iterator[Row]:
         """Return an iterator over the outputs of the nominal flight, step by step.
 
-        `count`: number of the steps. `trajectory`: `OUTPUTS` of the nominal flight in pitch,
-        ``(count, 5)``; without it the nominal flight is straight. `InputError` where it ends
-        before.
+        It is straight without a hold (`_gains`), and else flown once with that attitude hold, about
+        the trajectory, and kept. `count`: number of the steps. `trajectory`: `OUTPUTS` of the
+        nominal flight in pitch, ``(count, 5)``; without it the nominal flight is straight.
+        `InputError` where it ends before.
         """
         start = _straight_row(*self._restart())
         if self._gains is None:
@@ -419,8 +426,9 @@ class Airframe:
     ) -> FloatArray:
         """Return the outputs of a flight at m samples, minus those of the nominal one, ``(m, 7)``.
 
-        `steering`: function of the deflection. `speeds`, `angles`: wind speed [m/s] and wind angle
-        [rad] at each step, ``(n,)``, m <= n. `nominal`: outputs of the nominal flight.
+        JSBSim is reset first. The flight ends after the first attitude beyond 25 deg or that is not
+        finite. `steering`: function of the deflection. `speeds`, `angles`: wind speed [m/s] and
+        wind angle [rad] at each step, ``(n,)``, m <= n. `nominal`: outputs of the nominal flight.
         `trajectory`: its `OUTPUTS` in pitch, ``(n, 5)``; without it the nominal flight is straight.
         `sensors`: lateral sensors of the law.
         """
@@ -436,7 +444,7 @@ class Airframe:
         for k, (speed, angle, row) in enumerate(gusts, start=1):
             deflection = steering(k, prediction.measurement(angle, row))
             hold_other_plane()
-            set_deflection(row[4] + deflection)
+            set_deflection(row[4] + deflection)  # nominal deflection, and that of the law
             set_wind_speed(speed)
             run()
             rows.append(prediction.after_step(deflection, angle, row))
@@ -457,7 +465,7 @@ class Airframe:
         set_deflection, (on_lean, on_rate) = self._deflection_setters[other_plane], self._gains
         reference: Iterator[Row] = repeat((0.0, 0.0))
         if trajectory is not None and other_plane == "pitch":
-            reference = _plain_rows(trajectory[1:, [1, 4]])
+            reference = _plain_rows(trajectory[1:, [1, 4]])  # attitude rate and deflection
 
         def hold() -> None:
             """Set the deflection of the other plane for the next step."""
@@ -470,7 +478,10 @@ class Airframe:
 
 
 def _straight_row(attitude: float, path: float) -> Row:
-    """Return the outputs of a straight flight with an attitude and a flight path angle [rad]."""
+    """Return the outputs of a straight flight with an attitude and a flight path angle [rad].
+
+    All other numbers of the `Row` are zero.
+    """
     return (attitude, 0.0, path, *(0.0,) * (_COLUMNS - 3))
 
 
@@ -482,7 +493,9 @@ def _plain_rows(rows: FloatArray) -> Iterator[Row]:
 def _hold_gains(c: Coefficients) -> tuple[float, float]:
     """Return the gains of an attitude hold on nose minus path, and on the attitude rate [s].
 
-    `c`: coefficients of the vehicle in the plane.
+    The attitude is to move like s^2 + 2 w s + w^2 with the frequency w [rad/s], four times that of
+    the airframe and at least 1, against the moments mu_alpha and mu_delta per inertia [1/s^2], per
+    angle of attack and per deflection. `c`: coefficients of the vehicle in the plane.
     """
     mu_alpha, mu_delta = float(c.mu_alpha), float(c.mu_delta)
     frequency = max(_HOLD_OVER_AIRFRAME_FREQUENCY * abs(mu_alpha) ** 0.5, _MIN_HOLD_FREQUENCY)
@@ -490,7 +503,10 @@ def _hold_gains(c: Coefficients) -> tuple[float, float]:
 
 
 def _hold_steering(on_lean: float, on_rate: float) -> Steering:
-    """Return the steering of an attitude hold, from its gains on nose minus path and rate."""
+    """Return the steering of an attitude hold, from its gains on nose minus path and rate.
+
+    `on_lean`: deflection per angle [-]. `on_rate`: deflection per attitude rate [s].
+    """
     return lambda k, measured: (
         on_lean * (measured.attitude - measured.flight_path_angle)
         + on_rate * measured.attitude_rate

@@ -123,6 +123,7 @@ class SixDof:
         """
         check_span(start, stop)
         check_history("wind", wind, start)
+        # one step before the start, and one beyond the end; 1e-9 of a step is rounding
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
         times = start + self.step * np.arange(-1.0, count)
         angles = step_means(wind, times, self.step)
@@ -157,9 +158,10 @@ class SixDof:
     ) -> FloatArray:
         """Return the outputs [rad, rad/s] of a flight at the steps, ``(m, 5)``.
 
-        `steering`: function of the deflection. `air`: wind at the steps. `sensors`: lateral sensors
-        of the law. `InputError` for NaN, and for drift that is measured on a path that does not
-        turn.
+        They are deviations from the nominal flight, and end where the attitude leaves the range of
+        the model. `steering`: function of the deflection. `air`: wind at the steps. `sensors`:
+        lateral sensors of the law. `InputError` for NaN, and for drift that is measured on a path
+        that does not turn.
         """
         check_path(self.drift, sensors)
         surroundings: Surroundings = self.earth
@@ -184,7 +186,10 @@ class SixDof:
     def _speeds(self, angles: FloatArray, velocity: Any, attitude: Any) -> FloatArray:
         """Return the horizontal wind [m/s] that makes wind angles [rad] on the nominal flight.
 
-        `velocity`, `attitude`: speed [m/s] and attitude [rad] of that flight, constant or ``(n,)``.
+        By the sine rule it is V sin(angle)/sin(path + angle), V being the speed; in yaw the path is
+        at a right angle to the wind, and the wind from the right is negative. `InputError` where no
+        horizontal wind makes the angle. `velocity`, `attitude`: speed [m/s] and attitude [rad] of
+        that flight, constant or ``(n,)``.
         """
         path = np.asarray(attitude if self.plane == "pitch" else np.pi / 2)
         sine = np.sin(path + angles)
@@ -330,6 +335,7 @@ def planes_verdict(
         with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
             steering = _steering(law, limit, step)
             rows = airframe.fly_both(steering, speeds, angles, control.lateral_sensors)
+        # rows: samples, planes, outputs; of the last sample attitudes, then attitude rates
         if not np.all(np.isfinite(rows)) or np.abs(rows[-1, :, 0]).max() > MAX_ATTITUDE:
             return False
         return not has_fallen(float(np.hypot(*rows[-1, :, 1])), float(wind.peak), pole)
@@ -342,8 +348,9 @@ def _wind_at_steps(
 ) -> tuple[FloatArray, FloatArray]:
     """Return wind speeds [m/s] and wind angles [rad] at the n steps of a flight, ``(n,)`` each.
 
-    `case`: vehicle and options in one plane. `wind`: component of the wind in the plane, which may
-    be zero. `begin`, `until`: start and end of the flight [s].
+    A plane without wind has the same number of steps as `SixDof.air` makes. `case`: vehicle and
+    options in one plane. `wind`: component of the wind in the plane, which may be zero. `begin`,
+    `until`: start and end of the flight [s].
     """
     if np.isfinite(wind.onset):
         air = case.air(wind, begin, until)
@@ -357,7 +364,8 @@ def _steering(
 ) -> Callable[[list[Measurement]], tuple[float, float]]:
     """Return the steering of a law in both planes, from their measurements to both deflections.
 
-    `limit`: deflection limit of the vector [rad]. `step`: step [s].
+    Vectors are complex, pitch + j yaw; the law has one state vector, stepped with `step`. `limit`:
+    deflection limit of the vector [rad]. `step`: step [s].
     """
     steps = law.law.state_space.to_steps(step)
     memory, limits = np.zeros(len(steps.states), complex), np.array([limit])

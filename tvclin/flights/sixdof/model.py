@@ -51,7 +51,8 @@ def nominal_trajectory(
 ) -> NominalTrajectory:
     """Return the nominal flight through a vehicle's state at its time, at equidistant times [s].
 
-    `condition`: altitude and dynamic pressure of that state. `InputError` as `nominal_flight`.
+    `condition`: altitude and dynamic pressure of that state. `InputError` as `nominal_flight`. The
+    states of the nominal flight are speed [m/s], path angle [rad] and altitude [m].
     """
     vehicle_time = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     first, last = min(float(times[0]), vehicle_time), max(float(times[-1]), vehicle_time)
@@ -64,7 +65,7 @@ def nominal_trajectory(
         altitude=float(states[2, 0]),
         path_rate=float(turns[0]),
         dynamic_pressure=float(nominal.dynamic_pressure(start)),
-        mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),
+        mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),  # in 1 s
     )
     rows = np.stack([states[1], turns, states[1], zeros, nominal.deflection(times)], axis=-1)
     return NominalTrajectory(nominal.vehicle_at(start), departure, states[0], rows)
@@ -177,7 +178,8 @@ def mass_balance(root: Element, mass: float, inertias: tuple[float, float, float
 def _burning(root: Element, balance: Element, departure: InitialState) -> None:
     """Add the burnt propellant, as a negative point mass at the centre of gravity.
 
-    `root`: element of the aircraft. `balance`: its mass balance. `departure`: gives the mass flow.
+    JSBSim takes its weight [lb], proportional to the time since the start [s]. `root`: element of
+    the aircraft. `balance`: its mass balance. `departure`: gives the mass flow.
     """
     burnt = SubElement(balance, "pointmass", name="burnt")
     _text(burnt, "weight", 0.0, unit="LBS")
@@ -200,7 +202,9 @@ def _metrics(root: Element, vehicle: Vehicle) -> None:
 def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
     """Add the aerodynamic forces and the damping moment of a vehicle to the aircraft `root`.
 
-    `load`: formula of the dynamic pressure over that of the vehicle's forces.
+    In body axes x is forward, y to the right and z down; the normal force is proportional to the
+    angles of sideslip and of attack, atan(v/u) and atan(w/u) of the air speed. `load`: formula of
+    the dynamic pressure over that of the vehicle's forces.
     """
     aerodynamics = SubElement(root, "aerodynamics")
     slope = -float(vehicle.normal_force_slope) / POUND_FORCE
@@ -223,7 +227,8 @@ def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
 def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
     """Add the thrust: the control force turns with the deflection, the rest acts along the body.
 
-    `reactions`: element of the external forces.
+    Formulas of nozzle force and of nozzle with aerodynamic force, "without weight", are named, so
+    that they can be read. `reactions`: element of the external forces.
     """
     thrust, rotated = (float(f) / POUND_FORCE for f in (vehicle.thrust, vehicle.control_force))
     pitch, yaw = DEFLECTIONS["pitch"], DEFLECTIONS["yaw"]
@@ -243,8 +248,9 @@ def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
 def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
     """Add the forces that keep the nominal flight straight, and the speed of every flight.
 
-    `reactions`: element of the external forces. `heading`: nominal direction of flight [rad], from
-    north over east.
+    The first carries the weight across the nominal path. The second acts along the velocity and has
+    minus the power of all other forces, ``-(F v) v / v^2``. `reactions`: element of the external
+    forces. `heading`: nominal direction of flight [rad], from north over east.
     """
     weight = float(vehicle.weight) / POUND_FORCE
     sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)
@@ -297,7 +303,10 @@ def _function(parent: Element, tree: Tree, **names: str) -> None:
 
 
 def _add(parent: Element, tree: Tree) -> None:
-    """Add the elements of a formula `tree` to an element `parent`, operation by operation."""
+    """Add the elements of a formula `tree` to an element `parent`, operation by operation.
+
+    A tuple is an operation and its parts, a text the name of a property, and else it is a number.
+    """
     if isinstance(tree, tuple):
         inner = SubElement(parent, str(tree[0]))
         for part in tree[1:]:

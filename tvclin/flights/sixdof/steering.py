@@ -32,7 +32,10 @@ _SWITCH_PARTS = 128
 
 
 def step_means(history: History, times: FloatArray, step: float) -> FloatArray:
-    """Return the means of a history over a step [s] around each equidistant time [s], ``(n,)``."""
+    """Return the means of a history over a step [s] around each equidistant time [s], ``(n,)``.
+
+    They are the differences of its integral, the filter 1/s, over the step.
+    """
     edges = np.append(times, times[-1] + step) - 0.5 * step
     return np.diff(history.filter([1.0], [1.0, 0.0])(edges)) / step
 
@@ -75,7 +78,12 @@ class TrimThenHold:
         self._constant: float | None = None
 
     def __call__(self, k: int, measured: Measurement) -> float:
-        """Return the deflection [rad] at the step with number `k`, for predicted measurements."""
+        """Return the deflection [rad] at the step with number `k`, for predicted measurements.
+
+        The trim deflection is B times the angle of attack, which is an angle without the wind minus
+        the wind, at the end of the step (`_ends`). From where it reaches K times the limit on, the
+        limit is constant (`_constant`).
+        """
         if self._constant is not None:
             return self._constant
         demand = float(self._trim.demand(measured, _NOTHING, self._limit))
@@ -87,7 +95,8 @@ class TrimThenHold:
     def _switching_mean(self, k: int, without_wind: float) -> float:
         """Return the mean deflection [rad] of the step in which the control switches to the limit.
 
-        `k`: number of the step. `without_wind`: demand over B, without the wind [rad].
+        Trim is followed in 128 parts of the step up to the switch, the limit after it. `k`: number
+        of the step. `without_wind`: angle of attack [rad] without the wind, the demand over B.
         """
         fraction = np.linspace(-0.5, 0.5, _SWITCH_PARTS + 1)
         trim = self._B * (without_wind - self._wind(self._times[k] + fraction * self._step))
@@ -104,8 +113,10 @@ class TrimThenHold:
 def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     """Return the steering of a law, evaluated at every step, with actuator and limits.
 
-    `command`: the law, its actuator and the rate limit of its servo. `limit`: deflection limit
-    [rad]. `step`, `count`: length [s] and number of the steps.
+    The actuator follows its command of the step before by its exact step matrices, and the
+    deflection and rate are limited after it. `command`: the law, its actuator and the rate limit
+    [rad/s] of its servo. `limit`: deflection limit [rad]. `step`, `count`: length [s] and number of
+    the steps.
     """
     assert isinstance(command.control, Law)
     law_command, max_rate = _command(command.control, limit, step, count), command.rate_limit
@@ -134,7 +145,9 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
 def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     """Return the steering that gives the law's command within the limit, with the law's states.
 
-    `limit`: deflection limit [rad]. `step`, `count`: length [s] and number of the steps.
+    Noise of the measured rate is drawn before the flight. The full limit is commanded from `engage`
+    to `release` of the law. `limit`: deflection limit [rad]. `step`, `count`: length [s] and number
+    of the steps.
     """
     demand_of, engage, release = law.demand, law.engage * limit, law.release * limit
     memory = np.zeros(len(law.states[0]))
@@ -171,7 +184,9 @@ class LateralMotion:
     def __init__(self, sensors: LateralSensors, step: float) -> None:
         """Set the motion to zero, at the start of a flight.
 
-        `sensors`: lateral sensors of the law. `step`: step [s].
+        The lag of the accelerometer decays by e^(-bandwidth step) in a step, and follows a force
+        that rises by 1 over the step by `_ramp`. `sensors`: lateral sensors of the law. `step`:
+        step [s].
         """
         lag = sensors.bandwidth * step
         self._sensors, self._step, self._decay = sensors, step, exp(-lag)
@@ -182,6 +197,7 @@ class LateralMotion:
     def measured(self, plain: Measurement) -> Measurement:
         """Return the measurements at the end of the next step with those of lateral motion.
 
+        Measurements without a sensor are zero; the force is extrapolated from the last two steps.
         `plain`: the predicted measurements without them.
         """
         sensors, rate = self._sensors, self._speed * sin(plain.flight_path_angle)
@@ -206,13 +222,14 @@ class LateralMotion:
         self._last_force, self._force = self._force, local
 
     def _drifted(self, rate: float) -> float:
-        """Return the drift [m] at the end of a step with a drift rate [m/s] there."""
+        """Return the drift [m] at the end of a step with a drift rate [m/s] there, by trapezoid."""
         return self._drift + 0.5 * self._step * (self._drift_rate + rate)
 
     def _lagged(self, force: float) -> float:
         """Return the acceleration [m/s^2] of the accelerometer at the end of a step, with its lag.
 
-        `force`: force per mass there [m/s^2].
+        It is exact for a force that is a straight line over the step. `force`: force per mass there
+        [m/s^2].
         """
         decayed = self._force + self._decay * (self._acceleration - self._force)
         return decayed + self._ramp * (force - self._force)
