@@ -86,7 +86,7 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
         return Point(float(attitude(np.array([time]))[0]), time)
 
     times = probe_times(0.0, length, deflection, wind)
-    towards = sign * attitude(times)
+    towards = sign * attitude(times)  # positive where the wind turns the vehicle to
     high = refined_maximum(lambda t: sign * attitude(t), times, towards)
     low = refined_maximum(lambda t: -sign * attitude(t), times, -towards)
     return Extremes(
@@ -163,7 +163,9 @@ def _wind_sign(plant: Plant, wind: History) -> float:
 
     `plant`: one plant. `wind`: its wind [rad].
     """
-    turning = plant.attitude_fractions(plant.poles[:1])[1].real.item()
+    # sign of the moment of a positive wind; without coefficients, of its effect on the fastest mode
+    _, from_wind, _ = plant.attitude_fractions(plant.poles[:1])
+    turning = from_wind.real.item()
     if plant.coefficients_known:
         turning = -plant.coefficients.mu_alpha
     return float(np.sign(turning * wind.peak)) or 1.0
@@ -174,7 +176,8 @@ def _overturning_time(
 ) -> float:
     """Return the time [s] from which the attitude stays opposite to the wind; infinite if never.
 
-    It is at least the end of the wind, before which the vehicle leans into the wind. `towards`:
+    It is at least the end of the wind, before which the vehicle leans into the wind. `times`:
+    samples [s]. `towards`:
     attitude [rad] with the sign of the wind, at `times`. `smallest`: fraction of the peak wind
     angle below which an attitude counts as zero.
     """
@@ -198,7 +201,7 @@ def refined_maximum(
 ) -> tuple[float, float]:
     """Return the maximum of a function and its time [s], refined around the highest sample.
 
-    `times`, `values`: samples of the function, ``(n,)``.
+    It is never less than the highest sample. `times`, `values`: samples of the function, ``(n,)``.
     """
     i = int(np.argmax(values))
     between = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
@@ -298,6 +301,7 @@ def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
     if plant.batch or deflection.batch or wind.batch:
         raise InputError("wind_loads is for one case; take the elements of the batch one by one")
     ending("wind", wind.end)
+    # up to the last instant of the wind, before a jump at its end
     start, end = float(wind.onset), float(np.nextafter(wind.end, -np.inf))
     times = probe_times(start, end, deflection, wind)
     (angle, time), (attitude, _) = (

@@ -289,10 +289,11 @@ class FlexiblePlant(Shown, WithCoefficients):
             raise errors.InputError(
                 "shift() needs a vehicle with a growing mode; this one has none"
             )
-        rigid_pole = unstable[..., 0]
+        rigid_pole = unstable[..., 0]  # the fastest
         A, B = self._airframe
         pole, row = left_eigenvector(A, rigid_pole)
         coupling = np.einsum("...i,...ij->...j", row, B)
+        # inputs: deflection, wind, and with an engine delta'' = p^2 delta
         from_deflection = coupling[..., 0] + pole**2 * coupling[..., 2:].sum(axis=-1)
         rigid_ratio = wind_over_deflection(self.rigid, rigid_pole[..., np.newaxis])[..., 0]
         relative_trim = np.abs(coupling[..., 1] / from_deflection) / np.abs(rigid_ratio)
@@ -315,7 +316,7 @@ class FlexiblePlant(Shown, WithCoefficients):
         errors.one_of("signal", signal, LATERAL_SIGNALS)
         station = errors.number("station", station, STATION_RANGE, "m")
         rigid, modes = len(self.rigid.states), self.structure.bending
-        columns = rigid + 2 * np.arange(len(modes))
+        columns = rigid + 2 * np.arange(len(modes))  # states eta of the modes, each before its rate
         C = np.zeros((*self.batch, len(self.states)))
         if signal == "drift_rate":
             if rigid < 3:
@@ -324,6 +325,7 @@ class FlexiblePlant(Shown, WithCoefficients):
             for column, mode in zip(columns, modes, strict=True):
                 C[..., column + 1] = mode.drift_displacement
             return C, np.zeros((*self.batch, len(self.inputs)))
+        # displacements at the sensor of translation, rotation and modes
         shape = (1.0, station, *(mode.accelerometer_displacement for mode in modes))
         drive, forced = self._accelerations
         D = np.zeros((*self.batch, len(self.inputs)))
@@ -358,8 +360,9 @@ class FlexiblePlant(Shown, WithCoefficients):
     def _accelerations(self) -> tuple[FloatArray, FloatArray]:
         """Accelerations of drift, attitude, modes and tanks per state and per input.
 
-        Shapes ``(..., bodies + 2, states)`` and ``(..., bodies + 2, inputs)``; the states are those
-        of plant, modes and tanks, without sensors.
+        Shapes ``(..., bodies + 2, states)`` and ``(..., bodies + 2, inputs)``, bodies being modes
+        and tanks; the states are those of plant, modes and tanks, without sensors. The motions are
+        per angle of attack, which is theta - gamma - alpha_w here.
         """
         accelerations, positions = self._motions, self._positions
         rigid, bodies = len(self.rigid.states), positions.size - 1
@@ -378,7 +381,13 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def _airframe(self) -> tuple[FloatArray, FloatArray]:
-        """A ``(..., n, n)`` and B ``(..., n, inputs)`` of the vehicle without its sensors."""
+        """A ``(..., n, n)`` and B ``(..., n, inputs)`` of the vehicle without its sensors.
+
+        The states are the attitude, its rate, and of the models that have them the flight path
+        angle gamma (state 2) and the relative speed (state 3), then each mode and tank with its
+        rate. gamma' = (z'' - V' gamma)/V, with the acceleration z'' normal to the path and the rate
+        V' of the speed.
+        """
         v, positions, (drive, forced) = self.vehicle, self._positions, self._accelerations
         rigid, count = len(self.rigid.states), drive.shape[-1]
         A = np.zeros((*self.batch, count, count))
@@ -398,6 +407,9 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     def _output_matrices(self, count: int) -> tuple[FloatArray, FloatArray]:
         """Return C and D of all outputs, before the lags of the sensors.
+
+        The last two outputs are the sensed attitude and its rate, with the slope of each mode at
+        the sensor; the one before is the angle of attack.
 
         `count`: number of states without sensors, the columns of C.
         """
@@ -498,7 +510,8 @@ def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
     does not oscillate.
 
     Coupling moves the frequencies, and hardly ever changes their order: poles are matched in it to
-    the frequencies of the structure. An oscillation of the rigid vehicle is omitted.
+    the frequencies of the structure. An oscillation of the rigid vehicle is omitted, where there
+    are more pairs than modes and tanks: the poles nearest to those of the rigid vehicle.
     """
     if isinstance(plant, SystemPlant):
         return plant.named_modes()

@@ -135,7 +135,8 @@ def separated_poles(poles: AnyArray) -> AnyArray:
     Results that depend on two poles jointly depend on their mean and on the square of their
     distance, so that a distance of 2e-6 of their size changes them by some 1e-12, and avoids 0/0.
 
-    `poles`: [1/s], by falling real part; NaN for missing poles.
+    `poles`: [1/s], by falling real part; NaN for missing poles. Only neighbours in this order are
+    compared; two equal ones move apart along the real axis, about their mean.
     """
     separated = np.array(poles)
     for i in range(poles.shape[-1] - 1):
@@ -179,8 +180,9 @@ def left_eigenvector(A: AnyArray, pole: AnyArray) -> tuple[AnyArray, AnyArray]:
 def wind_over_deflection(plant: Plant, poles: AnyArray) -> AnyArray:
     """Return N_wind(p)/N_deflection(p) of the attitude at poles p of a plant, ``(..., N)``.
 
-    `poles`: [1/s], ``(..., N)``; NaN stays NaN. It is B times the K1 of each pole; infinite where
-    the deflection does not control the pole.
+    `poles`: [1/s], ``(..., N)``; NaN stays NaN. It is the deflection, up to its sign, that cancels
+    the effect of a unit wind angle on the mode: B K1, with trim B per angle of attack and K1 = (p +
+    b2)/(p + b1) of eq (15b). Infinite where the deflection does not control the pole.
     """
     from_deflection, from_wind, _ = plant.attitude_fractions(poles)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN: missing pole
@@ -363,12 +365,15 @@ def _final_attitude(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the constant [rad] and the rate [rad/s] of the attitude long after a wind, ``(...)``.
 
-    Both follow from the final value theorem; the constant is NaN where the attitude ramps. `plant`:
-    one plant or a batch. `deflection`, `wind`: its inputs [rad].
+    Both follow from the final value theorem, of the last coefficients of the transfer functions:
+    with D(0) other than zero the constant is their ratio at s = 0; with one pole at zero the
+    constant inputs give the rate and their integrals the constant, which is NaN where the attitude
+    ramps. Unstable modes do not count. `plant`: one plant or a batch. `deflection`, `wind`: its
+    inputs [rad].
     """
     denominator, *numerators = plant.low_order_terms()
     last = denominator[..., -1]
-    marginal = last == 0.0
+    marginal = last == 0.0  # a pole at zero
     repeated = marginal & (denominator[..., -2] == 0.0)
     slope = np.where(repeated, np.nan, np.where(marginal, denominator[..., -2], 1.0))
     orders = [_low_order_terms(*pair) for pair in zip(numerators, (deflection, wind), strict=True)]
@@ -382,7 +387,8 @@ def _low_order_terms(numerator: FloatArray, history: History) -> tuple[FloatArra
     """Return the terms with 1/s and with s^0 of a numerator times the transform of a history.
 
     `numerator`: highest power first, ``(..., k)``. A history that does not decay is its final value
-    from t = 0 on, plus a remainder.
+    from t = 0 on, plus a remainder: its transform is final value/s + area + ..., the area [rad s]
+    being the integral of the remainder.
     """
     pieces, end = history.pieces, history.final_value
     constant = np.zeros(pieces.coefficients.shape[-3:], dtype=bool)
@@ -396,7 +402,10 @@ def _low_order_terms(numerator: FloatArray, history: History) -> tuple[FloatArra
 
 
 def _oscillates(plant: Plant) -> Any:
-    """Return whether a plant has an undamped oscillation, ``(...)``."""
+    """Return whether a plant has an undamped oscillation, ``(...)``.
+
+    A pole pair whose real part is zero to rounding, relative to the largest pole.
+    """
     poles = plant.poles
     size = np.abs(poles).max(axis=-1, keepdims=True)
     undamped = (np.abs(np.real(poles)) <= MARGINAL * size) & (np.imag(poles) != 0.0)

@@ -49,8 +49,10 @@ def axial_acceleration(vehicle: Vehicle) -> Any:
 def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     """Return the accelerations per state and input of a vehicle with its structure.
 
-    Their batches broadcast. `InputError` where the mass matrix is not positive definite, and for a
-    pendulum without a positive axial acceleration.
+    From M q'' + C q' + K q = forces of the amplitudes q: translation, rotation, bending modes and
+    liquids. The air acts at the centre of pressure, with N [N/rad] times the displacement of each
+    motion there. Their batches broadcast. `InputError` where the mass matrix is not positive
+    definite, and for a pendulum without a positive axial acceleration.
     """
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
     rows = _AmplitudeRows(shape, 2 + len(structure.bending), len(structure.slosh))
@@ -75,7 +77,11 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
 
 @dataclass(frozen=True)
 class _AmplitudeRows:
-    """Layout of the numbers of all motions in rows ``(..., n)``: the bodies, then the liquids."""
+    """Layout of the numbers of all motions in rows ``(..., n)``: the bodies, then the liquids.
+
+    `batch`: leading axes. `bodies`: number of translation, rotation and bending modes. `tanks`:
+    number of liquids.
+    """
 
     batch: tuple[int, ...]
     bodies: int
@@ -93,6 +99,9 @@ def _mass_damping_stiffness(
     v: Vehicle, structure: Structure, rows: _AmplitudeRows
 ) -> tuple[FloatArray, ...]:
     """Return the matrices M, C and K of the amplitudes, ``(..., n, n)``, K with the axial forces.
+
+    In M a liquid of mass m_j shares the motion of its station, m_j phi_b; in K its weight under the
+    axial acceleration a turns the vehicle, -m_j a sigma_b, and the axial forces turn with the body.
 
     `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes: translation,
     rotation, bending modes and liquids.
@@ -137,8 +146,10 @@ def _engine_forces(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the forces per deflection and per its second derivative, at x = -l_c, ``(..., n)``.
 
-    T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta, s_E = m_E l_E, J_E =
-    I_E + m_E l_E^2. `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes.
+    T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta, on the motion b with
+    displacement phi_b and slope sigma_b at the gimbal: T_c control force per angle [N/rad], a axial
+    acceleration, s_E = m_E l_E static moment and J_E = I_E + m_E l_E^2 inertia of the engine about
+    the gimbal. `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes.
     `mass`: M, ``(..., n, n)``, which is checked together with the inertia of the engine.
     """
     modes, engine = structure.bending, structure.engine

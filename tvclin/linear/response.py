@@ -175,7 +175,7 @@ def attitude_responses(
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
     system, labels = plant.modal, plant.outputs
-    direct, inputs = plant.direct_terms, (deflection, wind)
+    direct, inputs = plant.direct_terms, (deflection, wind)  # None for a model without them
     if outputs is not None:
         labels = _selected_outputs(outputs, labels)
         system = system.select_outputs([plant.outputs.index(label) for label in labels])
@@ -217,9 +217,10 @@ def _by_lags(
 ) -> FloatArray:
     """Return the responses ``(..., outputs, n)`` [rad, rad/s] by a chain of lags.
 
-    It admits repeated poles, such as those of a vehicle without aerodynamic moment. `plant`: plants
-    of the batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s], ``(n,)``.
-    `shape`: shape of the batch.
+    Each pole p of the plant is a lag y' = p y + f, solved exactly, whose output is the input of the
+    next. It admits repeated poles, such as those of a vehicle without aerodynamic moment. `plant`:
+    plants of the batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s],
+    ``(n,)``. `shape`: shape of the batch.
     """
     rows, lagged = [], _lagged if shape else _latest
     for output in outputs:

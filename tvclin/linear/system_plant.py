@@ -351,7 +351,11 @@ class SystemPlant(Plant):
 
     @cached_property
     def _modal_matrices(self) -> tuple[AnyArray, AnyArray]:
-        """Gain of each input in each mode ``(..., n, inputs)``, and of each mode in each output."""
+        """Gain of each input in each mode ``(..., n, inputs)``, and of each mode in each output.
+
+        With the left and right eigenvectors l and r of a mode, the gains are l B/(l r), and the
+        outputs C r, ``(..., n, outputs)``.
+        """
         _, rows, right = self._eigenvectors
         with np.errstate(all="ignore"):
             gains = rows @ self._system.B
@@ -390,8 +394,8 @@ class SystemPlant(Plant):
         N are the numerators and D the denominator, up to a factor: the residues and ones. `poles`:
         poles of the plant [1/s], ``(..., N)``; NaN stays NaN.
         """
-        residues = self._attitude_residues
-        if _ACCELERATION in self.inputs:
+        residues = self._attitude_residues  # from deflection, wind, and with an engine delta''
+        if _ACCELERATION in self.inputs:  # delta'' = p^2 delta in the mode e^(p t)
             inertia = residues[..., 2] * self.poles**2
             residues = np.stack([residues[..., 0] + inertia, residues[..., 1]], axis=-1)
         distance = np.abs(self.poles[..., np.newaxis, :] - poles[..., np.newaxis])
@@ -407,7 +411,9 @@ class SystemPlant(Plant):
         """Return the last coefficients of D, N_deflection and N_wind of the attitude, ``(..., 2)``.
 
         D is the denominator, N the numerators, up to a factor: D is one, or s with a pole at zero,
-        or zero with several.
+        or zero with several. They are the series in s of the sum of residue/(s - pole) and the
+        direct term: the poles at zero give residue/s, each other pole -residue/pole - s
+        residue/pole^2.
         """
         residues = self._attitude_residues[..., :2]
         poles = self.poles[..., np.newaxis]
@@ -459,8 +465,9 @@ class SystemPlant(Plant):
     def numerator(self, output: str, input: str) -> FloatArray:
         """Return the numerator from `input` to `output`, over the common denominator.
 
-        It follows from the Markov parameters D, C B, C A B, ...; shape ``(..., k)``, highest power
-        first.
+        It follows from the Markov parameters D, C B, C A B, ..., the coefficients of the transfer
+        function in 1/s: times the denominator they are the numerator. Shape ``(..., k)``, highest
+        power first, without leading zeros.
 
         Raises
         ------
@@ -489,7 +496,8 @@ class SystemPlant(Plant):
     def trim_filter(self) -> tuple[Any, Any, Any]:
         """Coefficients b1, b2 and q of the filter from a wind to its trim, see `Plant`.
 
-        They are those given; zeros, without a flight path angle, are trim of the moment alone.
+        They are those of the given coefficients; without an output flight_path_angle they are zero,
+        and trim is -B times the wind.
         """
         if "flight_path_angle" not in self.outputs:
             return 0.0, 0.0, 0.0
@@ -513,7 +521,8 @@ class SystemPlant(Plant):
 def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
     """Return the system with deflection and wind as first inputs, and an angle of attack.
 
-    `InputError` for a missing signal, and for an input that nothing drives.
+    `InputError` for a missing signal, and for an input that nothing drives. Where the system has no
+    output angle_of_attack, it is attitude - flight_path_angle - wind.
     """
     remedy = "; name them with inputs=, or in a file by InputName and OutputName"
     require_signals("plant", "input", INPUTS, system.inputs, remedy)

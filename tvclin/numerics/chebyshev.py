@@ -38,9 +38,11 @@ def smooth_values(
     interval: IndexArray,
     storage: Storage | None = None,
 ) -> dict[str, FloatArray]:
-    """Return the values of a function at times, ``(n, ...)``, to about 1e-13 of the largest.
+    """Return the values of a function at times, ``(n, ...)`` by name, to 1e-13 of the largest.
 
-    A value that is constant is exact.
+    A value that is constant is exact. In an interval with many times the function is evaluated at
+    Chebyshev points instead, of a degree that is doubled until the interpolant of half the degree
+    agrees; without agreement, and where the times are few, at the times themselves.
 
     Parameters
     ----------
@@ -157,6 +159,7 @@ class Surface:
             positions = np.meshgrid(
                 _nodes(np.array(x), degree), _nodes(np.array(y), _Y_DEGREE), indexing="ij"
             )
+            # every point once with z and once with -z: their mean and slope are exact
             at_x, at_y = (np.tile(position.ravel(), 2) for position in positions)
             count = at_x.size // 2
             made = function(at_x, at_y, np.repeat([z, -z], count))
@@ -173,7 +176,9 @@ class Surface:
     def factors(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Return the factors from the rows of `table` to values at m points, ``(m, 2 points)``.
 
-        `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each.
+        `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each. The first half of the rows are
+        differences at the Chebyshev points of x and y, the second their slopes by z, whose factors
+        have z in addition.
         """
         of_x = _factors(self.degree, _angles(x, *self.x))
         of_y = _factors(_Y_DEGREE, _angles(y, *self.y))
@@ -203,6 +208,7 @@ def _converges(values: dict[str, FloatArray], shape: tuple[int, int], axis: int)
         for array in values.values()
     ]
     points, degree = np.concatenate(arrays, axis=1), shape[axis] - 1
+    # every second point is one of half the degree, from which those between are interpolated
     starts = np.cumsum([0, *(array.shape[1] for array in arrays[:-1])])
     middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
     changes = np.nan_to_num(points[::2] - points[0])
@@ -295,7 +301,8 @@ def _agree(guess: FloatArray, points: FloatArray, starts: IndexArray) -> BoolArr
 
     `points`: values at the Chebyshev points of a degree d, ``(..., d + 1, k)``. `guess`: values of
     the interpolant at every second one of them, from the second on, ``(..., d / 2, k)``. `starts`:
-    first of the k columns of each array, whose largest value sets its rounding.
+    first of the k columns of each array, whose largest value sets its rounding. Columns that are
+    all NaN agree; columns with some NaN do not.
     """
     missing = np.isnan(points)
     partly_missing = missing.any(axis=-2) != missing.all(axis=-2)

@@ -39,7 +39,9 @@ def residues(
     """Return the residue of the response at each pole, and its rounding error, both ``(..., N)``.
 
     The residue R of a pole p is the coefficient of e^(p (t - start)) in the response long after the
-    inputs. `poles`: p [1/s], ``(..., N)``; NaN stays NaN. `gains`: for each input the residues of
+    inputs: the sum over the inputs of gain times the Laplace integral at p, from `start` on. The
+    error is that of rounding, by the sum of the sizes of all terms. `poles`: p [1/s], ``(..., N)``;
+    NaN stays NaN. `gains`: for each input the residues of
     its transfer function at the poles, ``(..., N)``. `inputs`: the two input histories, whose
     batches broadcast with that of the poles. `start`: time from which e^(p t) counts [s],
     ``(...)``.
@@ -91,7 +93,10 @@ class ModalSystem:
 
 
 def is_unstable(poles: AnyArray) -> BoolArray:
-    """Return which poles ``(..., N)`` [1/s] are unstable; those on the imaginary axis are not."""
+    """Return which poles ``(..., N)`` [1/s] are unstable; those on the imaginary axis are not.
+
+    On the axis is a real part within `MARGINAL`, relative to the largest pole of the plant.
+    """
     size = reduce(np.maximum, np.moveaxis(np.abs(poles), -1, 0))  # quicker than along rows
     return np.asarray(np.real(poles) > MARGINAL * size[..., np.newaxis])
 
@@ -122,7 +127,7 @@ def responses(
     rising = times.copy() if order is None else times[order]
     out = np.empty((case_rows.shape[1], plants[2].shape[-1], times.size))
     indistinct = np.zeros(len(out), dtype=bool)
-    seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)
+    seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)  # of the kernel as plain Python
     kernel = choice.fastest(respond, seconds)
 
     def work(begin: int, end: int) -> None:

@@ -74,7 +74,9 @@ class Motion:
 def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Motion]:
     """Return the motions of x' = A x + B f from zero initial states, one for each input f.
 
-    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree.
+    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree,
+    so that one matrix M moves all of them. The exponentials over pieces of equal width are computed
+    once. A piece begins with the states of x at its end before, and with those of its own input.
     """
     order, matrix = len(A), piece_matrix(A, B, inputs[0])
     widths = [np.diff(pieces.knots) for pieces in inputs]
@@ -189,7 +191,8 @@ def exponential_series(matrix: AnyArray) -> AnyArray:
     """Return the series of e^matrix up to the 15th power of small matrices, ``(m, n, n)``.
 
     In six products (Paterson and Stockmeyer, 1973): polynomials of third degree, by Horner's scheme
-    in the fourth power.
+    in the fourth power. The norm of each matrix is at most one half, so that the next term is below
+    1e-18.
     """
     square = matrix @ matrix
     powers = [np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape), matrix, square]
@@ -207,7 +210,8 @@ def balanced(matrix: AnyArray) -> tuple[AnyArray, FloatArray]:
     """Return D^-1 A D with rows and columns of like size, and the diagonal of D, powers of two.
 
     As `scipy.linalg.matrix_balance`, whose import takes as long as half a study (Parlett and
-    Reinsch, 1969). `matrix`: A, ``(n, n)``.
+    Reinsch, 1969). `matrix`: A, ``(n, n)``. Each state in turn is scaled by the power of two that
+    brings the norms of its row and column nearest to each other.
     """
     sizes = np.abs(matrix).tolist()
     order = range(len(sizes))
@@ -291,7 +295,7 @@ def piece_peaks(
     zero of the exact slope is computed. A piece is finished as soon as its modes, were they all in
     phase, could not exceed the highest summit.
     """
-    rows = np.stack([row, row @ matrix, row @ matrix @ matrix])
+    rows = np.stack([row, row @ matrix, row @ matrix @ matrix])  # value, slope, curvature
     modes = _modal_bounds(matrix, row, float(widths.max()))
     rounding = _RELATIVE_ROUNDING * (np.abs(starts) @ np.abs(row)).max()
     values, offsets = np.zeros(len(widths)), np.zeros(len(widths))
@@ -348,6 +352,7 @@ def _highest_samples(
     )
     if not guess.size:
         return values, times
+    # `which`: the sample before each summit, and its piece; the slope there has the value's sign
     starts, sign = (
         matrices_on_states(powers[which[0]], states[which[1]]),
         np.sign(samples[:-1, 1][which]),
@@ -397,7 +402,8 @@ def _refined_summits(
 
     `rows`: rows of value, slope and curvature, ``(3, n)``. `matrix`: M of state' = M state.
     `starts`: states at the samples before the summits, ``(s, n)``. `sign`: signs of the values.
-    `steps`: first estimates [s]. `widths`: times to the next sample [s], ``(s,)``.
+    `steps`: first estimates [s]. `widths`: times to the next sample [s], ``(s,)``. The method is
+    for the zero of the slope; an iterate outside its bracket is replaced by the middle.
     """
     low, high = np.zeros_like(steps), widths
     for _ in range(_SUMMIT_ITERATIONS):
@@ -442,12 +448,13 @@ def _sample_steps(matrix: AnyArray, horizon: float) -> Iterator[tuple[float, flo
     step = min(_FIRST_STEP / fastest if fastest else np.inf, horizon / _STEPS_PER_BLOCK)
     short, long = matrix_exponentials(matrix, np.array([step / _STEPS_PER_BLOCK, step]))
     powers = _matrix_powers(short)
-    powers[-1] = long  # the same, with less rounding
+    powers[-1] = long  # equal, with less rounding
     yield 0.0, step / _STEPS_PER_BLOCK, powers
     start, powers = step, _matrix_powers(long)
     while True:
         yield start, step, powers
         start += step * _STEPS_PER_BLOCK
+        # sizes of the eigenvalues whose modes have not decayed by then [1/s]
         alive = np.abs(rates[-np.real(rates) * start < _DECAY_EXPONENT])
         if 2.0 * step * alive.max(initial=0.0) <= _MAX_STEP:
             step, powers = 2.0 * step, _matrix_powers(powers[2])
