@@ -73,7 +73,8 @@ class UnstableCoordinates:
     def are_recoverable(self, z: FloatArray, reach: Any) -> Any:
         """Return whether coordinates z [rad], ``(..., N)``, are recoverable with |u| < `reach`.
 
-        u is the deflection over B, and `reach` [rad], ``(...)``, its limit. Strictly: on the edge
+        A state is recoverable if some deflection returns it to equilibrium without wind. u is the
+        deflection over B, and `reach` [rad], ``(...)``, its limit. Strictly: on the edge
         the deflection keeps the state constant and cannot return it.
         """
         first = np.abs(z[..., 0]) < reach
@@ -84,6 +85,8 @@ class UnstableCoordinates:
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
         """Return both ends [rad] of the slow coordinate's recoverable range at a fast one.
+
+        They are the two paths that end at equilibrium with one switch of the full deflection.
 
         `fast`: that one [rad]. `reach`: limit of the deflection over B [rad], at least its size.
         """
@@ -116,7 +119,8 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
         )
     A, inputs, _, _ = plant.matrices()
     rows = coordinate_rows(plant, poles, np.asarray(plant.coefficients.B))[:, : len(A)]
-    return UnstableCoordinates(poles, rows, -(rows @ inputs[:, 1]) / poles)
+    from_wind = inputs[:, 1]
+    return UnstableCoordinates(poles, rows, -(rows @ from_wind) / poles)
 
 
 def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
@@ -136,7 +140,7 @@ def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatAr
     A = np.broadcast_to(A.reshape(-1, n, n), (pole.size, n, n))
     row = np.real(left_eigenvector(A, pole)[1])
     inputs = np.broadcast_to(inputs.reshape(-1, n, count), (pole.size, n, count))
-    gains = np.einsum("mi,mij->mj", row, inputs)
+    gains = np.einsum("mi,mij->mj", row, inputs)  # l times the input of deflection, wind, engine
     inertia = gains[:, len(INPUTS) :].sum(axis=1)
     rows = np.column_stack([row, -pole * inertia, -inertia])
     with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments

@@ -76,11 +76,13 @@ class ExitProblem:
     def solve(self, literal: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return time [s], demand and status of the exit of the dead band, ``(...)`` each.
 
-        The driver is B alpha_w, or trim if `literal`. The demand is the constant deflection from
+        The driver is B alpha_w, or trim if `literal`; it exits the dead band at K times the demand.
+        The demand is the constant deflection from
         then on that satisfies (4b), normalised by B alpha_w,max. The status is `switches.JUMP`
         where the demand jumps over the limit as the driver returns to an earlier height, and
         `switches.UNREACHED` where it stays above the driver, so that the dead band has no exit.
         """
+        # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter
         winds, which, numbers = self._arrays
         out = np.empty((3, which.size))
         self._run(switches.switches, self._filtering, winds, which, numbers, literal, out)
@@ -110,7 +112,8 @@ class ExitProblem:
         """
         winds, which, numbers = self._arrays
         demands = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
-        work = (np.ascontiguousarray(numbers[cases, 2:]), np.ascontiguousarray(poles), heights)
+        trim_filters = np.ascontiguousarray(numbers[cases, 2:])  # b1, b2 and q of each case
+        work = (trim_filters, np.ascontiguousarray(poles), heights)
         self._run(demands_at_heights, 1, winds, which[cases], *work, demands)
         return demands if np.iscomplexobj(poles) else np.real(demands)
 
@@ -118,7 +121,8 @@ class ExitProblem:
     def _arrays(self) -> tuple[Any, IndexArray, FloatArray]:
         """Winds over their peaks, the wind index of each of n cases, and its parameters.
 
-        The parameters are pole, dead band K and the filter from wind to trim, ``(n, m)``.
+        The parameters are pole [1/s], dead band K, and b1 [1/s], b2 [1/s] and q [1/s^2] of the
+        filter from wind to trim, -B (s^2 + b2 s + q)/(s^2 + b1 s + q), ``(n, 5)``.
         """
         winds, which = kernel_arrays((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
         filtering = self.plant.trim_filter
@@ -128,16 +132,20 @@ class ExitProblem:
 
     @property
     def _filtering(self) -> int:
-        """Time of the kernel where trim is filtered wind, relative to trim that is the wind."""
-        winds, _, numbers = self._arrays
-        return switches.FILTERED[winds[1].dtype.kind] if np.any(numbers[:, 2:]) else 1
+        """Time of the kernel where trim is filtered wind, relative to trim that is the wind.
+
+        One where trim is -B times the wind, its filter having coefficients of zero.
+        """
+        (_, coefficients, _), _, numbers = self._arrays
+        return switches.FILTERED[coefficients.dtype.kind] if np.any(numbers[:, 2:]) else 1
 
     def _run(self, function: Any, longer: int, winds: Any, which: IndexArray, *arrays: Any) -> None:
         """Run a kernel `function` over cases: the winds, the wind index `which` of each, `arrays`.
 
         `longer`: time for a term of the sum, relative to the time where trim is the wind itself.
         """
-        terms = longer * winds[0].shape[-1] * winds[2].shape[-1] * which.size
+        knots, _, rates = winds
+        terms = longer * knots.shape[-1] * rates.shape[-1] * which.size
         seconds = (switches.PLAIN * terms, switches.COMPILED * terms)
         run(function, (winds, which, *arrays), which.size, *seconds)
 
@@ -295,7 +303,7 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
 
     `rate`: ``(...)``, NaN where no mode is unstable. `paired`: ``(...)``, true where a complex pair
     grows comparably with the fastest real pole, or two real poles coincide, so that one limit
-    cannot satisfy both conditions (4b).
+    cannot satisfy both conditions (4b). Comparable is a rate above `COMPARABLE` times the real one.
     """
     poles = unstable_poles(plant)
     if not poles.shape[-1]:

@@ -63,7 +63,10 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class _AfterTrim:
-    """Dead bands ``(n,)`` and modes ``(n, m)`` of a problem, flattened."""
+    """Dead bands ``(n,)`` and modes ``(n, m)`` of a problem, flattened.
+
+    `problem`: plants in winds. `dead_band`: K of each case. `modes`: unstable poles [1/s].
+    """
 
     problem: ExitProblem
     dead_band: FloatArray
@@ -72,10 +75,14 @@ class _AfterTrim:
     def peaks(self, cases: IndexArray, limits: FloatArray, sufficient: FloatArray) -> FloatArray:
         """Return the minimum peaks m(L) after trim up to K L, ``(n,)``.
 
+        m(L) is the smallest limit of a deflection that cancels all unstable modes from the time at
+        which trim has the size K L; the vehicle diverges where m(L) > L.
+
         `cases`: n indices of cases. `limits`: their L. `sufficient`: deflections returned in place
         of m(L) where they are proved to be no less. All are normalised by B alpha_w,max.
         """
         poles = self.modes[cases]
+        # constant deflection that each mode requires by itself; over p the integral that it demands
         z = self.problem.demands_after_trim(cases, self.dead_band[cases] * limits, poles)
         return peaks_for_demands(poles, z / poles, sufficient)
 
@@ -99,6 +106,7 @@ def _iterated(
         below = np.minimum(np.maximum(lowest, after.peaks(cases[active], above, lowest)), above)
         limit[active] = below
         done = above - below <= _RELATIVE_STEP * above
+        # near the smallest result it is tested by itself, rather than approached in small steps
         close = np.flatnonzero(~done & (below <= floor * (1.0 + _RELATIVE_RANGE)))
         level = floor[close]
         equal = after.peaks(cases[active[close]], level, level) <= level * (
@@ -195,7 +203,7 @@ def open_loop_requirements(
     """
     K = np.asarray(dead_band)
     size = np.abs(np.asarray(boundary.deflection))
-    poles, free = unstable_poles(plant), np.zeros(())
+    poles, free = unstable_poles(plant), np.zeros(())  # `free`: bound without a forecast [rad]
     # without a batch a fastest pole that is not real is an error of the bound
     if np.any(K == 1.0) and (plant.batch or (poles.size and not np.imag(poles[0]))):
         free = np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
@@ -243,6 +251,9 @@ def _limit_after_trim(
 
     `plant`, `wind`: one or a batch. `dead_band`: K. `smallest`: limits [rad] up to which the result
     is zero, of its shape. Zero for K = 0, K = 1, fewer than two modes, and two that are a pair.
+
+    A limit L diverges if the minimum peak over all unstable modes, after trim up to K L, exceeds L.
+    Inside, limits are normalised by B alpha_w,max.
     """
     poles, shape = unstable_poles(plant), smallest.shape
     if poles.shape[-1] < 2 or not np.any((dead_band > 0.0) & (dead_band < 1.0)):

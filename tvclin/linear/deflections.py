@@ -169,13 +169,14 @@ def trim_then_hold(
     limit = errors.small_angle("a deflection", errors.nonzero)("limit", limit)
     dead_band = errors.within("dead_band", dead_band, 0.0, 1.0)
     trim = trim_deflection(plant, wind)
-    opposing = -np.sign(np.asarray(plant.coefficients.B) * wind.peak)
+    opposing = -np.sign(np.asarray(plant.coefficients.B) * wind.peak)  # sign of trim: -B alpha_w
     if np.any(opposing * limit < 0.0):
         raise errors.InputError(
             "limit must oppose the wind, with the sign of -B alpha_w,max; got"
             f" {limit.ravel()[0]:.6g} rad against a wind of {np.ravel(wind.peak)[0]:.6g} rad"
         )
     literal = errors.one_of("switch", switch, SWITCHES) == "literal"
+    # the deflection whose size exits the dead band [rad]: trim with drift, or without
     driver = trim if literal else wind * -np.asarray(plant.coefficients.B)
     time = exit_time(driver, limit, dead_band)
     exits = np.isfinite(time)

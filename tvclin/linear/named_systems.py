@@ -163,6 +163,7 @@ def check_hidden_modes(
         (left, B, words[0]),
         (np.swapaxes(right, -1, -2), np.swapaxes(C, -1, -2), words[1]),
     ):
+        # of each mode with all inputs, or all outputs; the eigenvectors have length one
         products = np.linalg.norm(rows @ columns, axis=-1)
         sizes = np.linalg.norm(columns, axis=(-1, -2))[..., np.newaxis]
         hidden = unstable & (products <= _HIDDEN * sizes)
@@ -231,6 +232,9 @@ def _observer_form(name: str, system: control.TransferFunction) -> tuple[FloatAr
 def _row_form(row: list[list[FloatArray]]) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return A, B, C and D of one output: an observer form for each different denominator.
 
+    The observer form of (b_0 s^n + .. + b_n)/(s^n + a_1 s^(n-1) + .. + a_n) has -a_k in the first
+    column of A, ones above its diagonal, b_k - b_0 a_k in B, C = (1, 0, ..) and D = b_0.
+
     `row`: numerator and denominator from each input, coefficients with the highest power first.
     """
     normalised = [(N / D[0], D / D[0]) for N, D in row]
@@ -266,7 +270,7 @@ def _same_states(
     where no row gives them.
     """
     (A, B), (A_k, B_k, C_k) = states, observer_form
-    count = len(A) + len(A_k)
+    count = len(A) + len(A_k)  # Markov parameters that decide: of two systems with these states
     reach, response = [B], [C_k @ B_k]
     for _ in range(count - 1):
         reach.append(A @ reach[-1])

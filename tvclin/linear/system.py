@@ -83,6 +83,7 @@ class LinearSystem:
         into, out = self.inputs.index(input), self.outputs.index(output)
         if np.any(D[..., out, into]):
             raise InputError(_ALGEBRAIC_LOOP)
+        # columns of the input, and rows of the output, which is added to it
         column, through = B[..., into, np.newaxis], D[..., into, np.newaxis]
         row, passed = C[..., out, np.newaxis, :], D[..., out, np.newaxis, :]
         return replace(
@@ -212,7 +213,8 @@ def split_delay(
 ) -> tuple[IndexArray, FloatArray]:
     """Return the whole samples of a delay ``(...)``, and its remainder [s].
 
-    `delay`, `period`: delay and sampling period [s], ``(...)``, which broadcast.
+    `delay`, `period`: delay and sampling period [s], ``(...)``, which broadcast; a period of zero
+    counts as one second. A delay within rounding of a whole number of samples has no remainder.
     """
     samples = delay / np.where(period > 0.0, period, 1.0)
     complete = np.floor(samples + WHOLE_SAMPLE_TOLERANCE)
@@ -236,7 +238,7 @@ def polynomial_input(name: str, terms: int) -> LinearSystem:
     """Return the block without inputs whose output is a polynomial of the time, c0 + c1 t + ...
 
     `name`: name of the output. `terms`: number of coefficients; they, about the current time, are
-    the states.
+    the states, so that c0' = c1, c1' = 2 c2, ...
     """
     A, C = np.diag(np.arange(1.0, terms), k=1), np.eye(1, terms)
     states = tuple(f"{name}_{k}" for k in range(terms))
@@ -260,7 +262,8 @@ def connect(
     ]
     block_outputs = [name for block in blocks for name in block.outputs]
     A, B, C, D = (_block_diagonal([block.matrices()[k] for block in blocks]) for k in range(4))
-    # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w).
+    # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w); without
+    # an algebraic loop a power of D K is zero.
     K, L = _incidence(block_inputs, block_outputs), _incidence(block_inputs, inputs)
     loop_gain = _times(D, K)
     closed, power = np.eye(len(block_outputs)) + loop_gain, loop_gain

@@ -66,7 +66,9 @@ def initial_value_solution(
 ) -> InitialValueSolution:
     """Return the solution x(t) of x' = f(t, x) from the first time of a span to the last.
 
-    It ends earlier where x would cease to be valid, or where the iteration does not converge.
+    It ends earlier where x would cease to be valid, or where the iteration does not converge. An
+    interval is halved until the iteration converges in it and the last two Chebyshev coefficients
+    of x are below the tolerance; the next one is twice as long as the last that was accepted.
 
     Parameters
     ----------
@@ -82,6 +84,7 @@ def initial_value_solution(
     points = chebpts2(_DEGREE + 1)
     to_coefficients = np.linalg.inv(chebvander(points, _DEGREE))
     integral = chebvander(points, _DEGREE + 1) @ chebint(to_coefficients, lbnd=-1.0)
+    # from values at the points of an interval of length one to integrals from its start
     factors = np.asarray(0.5 * (integral - integral[0]), dtype=float)
     time, stop = span
     ends, polynomials, length = [time], [], stop - time

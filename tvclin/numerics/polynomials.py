@@ -181,7 +181,11 @@ def bound(polynomial: FloatArray) -> FloatArray:
 
 
 def _parts_on_axis(polynomial: FloatArray) -> tuple[FloatArray, ...]:
-    """Return the polynomials E and O in omega^2 of p(j omega) = E(omega^2) + j omega O(omega^2)."""
+    """Return the polynomials E and O in omega^2 of p(j omega) = E(omega^2) + j omega O(omega^2).
+
+    `polynomial`: coefficients of p, highest power first, ``(..., n + 1)``, as the results. E has
+    the even and O the odd coefficients, with alternating signs.
+    """
     halves = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
     return tuple(half * (-1.0) ** np.arange(half.shape[-1])[::-1] for half in halves)
 
@@ -199,7 +203,7 @@ def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
     `middle`, `product`: mean and product of both numbers, ``(...)``. Where they are complex in any
     element of the batch, all are returned as complex numbers.
     """
-    square = middle**2 - product
+    square = middle**2 - product  # of half the difference
     larger = middle + np.copysign(np.sqrt(np.maximum(square, 0.0)), middle)
     smaller = np.where(larger == 0.0, 0.0, product / np.where(larger == 0.0, 1.0, larger))
     complex_pair = square < 0.0

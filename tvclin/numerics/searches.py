@@ -17,9 +17,9 @@ def first_crossing(times: FloatArray, values: FloatArray, evaluate: Evaluate) ->
     """Return the first time ``(...)`` at which a function reaches zero from below; inf if never.
 
     `times`, `values`: samples of the function, ``(..., m)``. `evaluate`: the function itself, from
-    times and flat batch positions, both ``(k,)``, to values ``(k,)``. The result is accurate to
-    rounding. Where a nonnegative sample and its predecessor do not differ in sign, it is the time
-    of the sample.
+    times and flat batch positions, both ``(k,)``, to values ``(k,)``. The crossing is between the
+    first nonnegative sample and its predecessor, and accurate to rounding. Where these do not
+    differ in sign (at the first sample) it is the time of the sample.
     """
     times, values = np.broadcast_arrays(times, values)
     nonnegative = values >= 0.0
@@ -62,8 +62,10 @@ def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> Floa
             quadratic = f1 / (f1 - f2) * f3 / (f3 - f2) - (x3 - x1) / (x2 - x1) * f1 / (
                 f3 - f1
             ) * f2 / (f2 - f3)
+            # Chandrupatla's criterion: the inverse quadratic is monotonic in the bracket
             inside = (1.0 - np.sqrt(1.0 - fraction) < height) & (height < np.sqrt(fraction))
         nearest = 0.5 * tolerance / width
+        # fraction of the bracket from x1 on, not nearer to its ends than half the tolerance
         x = x1 + np.clip(np.where(inside, quadratic, 0.5), nearest, 1.0 - nearest) * (x2 - x1)
         f = evaluate(x, index)
         same = np.sign(f) == np.sign(f1)
@@ -190,6 +192,10 @@ def _evolved(
     tolerance: float,
 ) -> tuple[FloatArray, FloatArray]:
     """Return a pool of points ``(n, axes)`` and its values ``(n,)`` after `rounds`, best first.
+
+    A round adds points a + stride (b - c) within the unit box, a being one of the best points and b
+    and c any two of the pool; the best of all make the next pool. The random numbers are the same
+    in every call.
 
     `values`: function from new points and the values of the pool to the values of the new points.
     `points`, `costs`: the pool before, and its values. `per_round`: number of new points in a

@@ -32,10 +32,11 @@ class TableLines:
         return before, np.maximum(self.at - self.rows[before], 0.0)
 
     def values(self, columns: Sequence[Any]) -> Any:
-        """Return one column of the tables, interpolated at the times, ``(...)``.
+        """Return one column of the tables, interpolated linearly at the times, ``(...)``.
 
-        `columns`: this column in each table, ``(n,)`` or a number. A number that all tables share
-        is returned as it is.
+        Each time is read in its own table, `self.table`; before the first and after the last row
+        the value is constant. `columns`: this column in each table, ``(n,)`` or a number. A number
+        that all tables share is returned as it is.
         """
         alike = all(column is columns[0] for column in columns)
         if alike and np.ndim(columns[0]) == 0:

@@ -143,7 +143,7 @@ class Coefficients(Record):
         b2 = (v.thrust - v.axial_force - weight_along) / momentum
         C1 = b2 + v.normal_force_slope / momentum
         b1 = C1 + v.normal_force_slope * v.aerodynamic_arm / v.control_arm / momentum
-        turning = STANDARD_GRAVITY * np.cos(v.attitude) / v.velocity
+        turning = STANDARD_GRAVITY * np.cos(v.attitude) / v.velocity  # of the path by weight [1/s]
         return cls(
             mu_alpha=mu_alpha,
             mu_delta=v.control_force * v.control_arm / v.moment_of_inertia,

@@ -203,7 +203,7 @@ class Filter(Record):
         n = self.order
         below = self.denominator
         above = polynomials.add(self.numerator, np.zeros(n + 1))
-        unit = np.maximum(polynomials.bound(below), 1.0 / MAX_NUMBER)
+        unit = np.maximum(polynomials.bound(below), 1.0 / MAX_NUMBER)  # [rad/s], not zero
         powers = unit[..., np.newaxis] ** np.arange(n + 1)
         below, above = below / powers, above / powers
         # (b_0 s^n + .. + b_n)/(s^n + a_1 s^(n-1) + .. + a_n): D = b_0, C = b_k - a_k b_0.

@@ -292,6 +292,7 @@ def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
             f"the velocity V_n is {np.max(vehicle.velocity):.4g} m/s, above the escape velocity:"
             " its unit may be wrong"
         )
+    # the radius of gyration, sqrt(I/m), of any booster is shorter than its two arms together
     length = np.asarray(vehicle.control_arm) + np.maximum(arm, 0.0)
     radius = np.sqrt(vehicle.moment_of_inertia * STANDARD_GRAVITY / np.asarray(vehicle.weight))
     if np.any(radius > length):
