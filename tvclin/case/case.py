@@ -151,7 +151,10 @@ class Case:
         return getattr(self.wind, "heading", None)
 
     def wind_at(self, dead_band: float) -> ShapedWind:
-        """Return the wind of a shape, with its gust at its time, or the worst for a dead band K."""
+        """Return the wind of a shape, with its gust at its time, or the worst for a dead band K.
+
+        It keeps its heading; the worst time is that of the wind in the plane.
+        """
         in_plane = self.wind_in_plane_at(dead_band)
         assert isinstance(self.wind, ShapedWind)
         assert isinstance(in_plane, ShapedWind)
@@ -163,7 +166,12 @@ class Case:
         return self.wind_in_plane_at(1.0)
 
     def wind_in_plane_at(self, dead_band: float) -> ShapedWind | FixedWind | WindEnsemble | History:
-        """Return the wind in the plane, with the gust at the worst time for a dead band K."""
+        """Return the wind in the plane, with the gust at the worst time for a dead band K.
+
+        A wind with a heading is projected on the plane; an ensemble, a history and a wind without a
+        gust are returned as they are, and a gust with a time of its own stays there. `dead_band`:
+        K, the vehicle is trimmed up to K times the limit.
+        """
         wind = self.wind
         if isinstance(wind, VehicleWind):
             return wind.history(self.vehicle, self.plane)
@@ -264,6 +272,7 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
         boundary = boundary_limit(plant, gusty, K, "literal")
         return np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
 
+    # Two steps in each duration of the gust.
     steps = int(np.clip(2.0 * length / float(gust.end - gust.onset), _MIN_STEPS, _MAX_STEPS))
     times = np.linspace(0.0, length, steps + 1)
     with suppress(InputError), repeated(1 + _REFINEMENTS):

@@ -95,8 +95,9 @@ def stop_boundary(
 ) -> ClosedLoopBoundary:
     """Return the minimum limit of a law in one wind, sought up to `limit` [rad] if none is lower.
 
-    `plant`: one plant. `hardware`: items of `Case.hardware`. Same exceptions as
-    `closed_loop_boundary`.
+    A first scan ends at some multiples of the trim |B alpha_w,max|; only where none of these limits
+    survives and `limit` lies above, a second one goes on to it. `plant`: one plant. `hardware`:
+    items of `Case.hardware`. Same exceptions as `closed_loop_boundary`.
     """
     boundary = closed_loop_boundary(plant, law, wind, **hardware)
     scanned = float(boundary.scan[-1])
@@ -126,9 +127,10 @@ def with_filters(law: Law, design: AutopilotDesign) -> Law:
 
 
 def shift_of(plant: AnyPlant) -> Shift | None:
-    """Return the shift of pole and trim of a plant by its structure, as in `Shift`.
+    """Return the shift of pole and trim of a plant by its structure [%], as in `Shift`.
 
-    None for a rigid plant, and for one without an unstable mode.
+    How far bending and slosh move them from those of the rigid plant. None for a rigid plant, and
+    for one without an unstable mode.
     """
     if plant.structure is None:
         return None
@@ -242,6 +244,7 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
     with suppress(InputError):  # a stable vehicle has no such pole
         pole = float(case.plant.rigid.coefficients.pole)
         rules = [
+            # Two digits, as the note prints them.
             replace(base, natural_frequency=float(f"{ratio * pole:.2g}"))
             for ratio in _FREQUENCY_RATIOS
         ]
@@ -257,7 +260,10 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
 
 
 def _satisfies(case: Case, criteria: Criteria) -> bool:
-    """Return whether the loop of a case is stable and satisfies the criteria."""
+    """Return whether the loop of a case is stable and satisfies the criteria, of modes too.
+
+    False for gains that cannot be designed, or whose margins cannot be computed.
+    """
     plant = case.plant
     with suppress(InputError, np.linalg.LinAlgError, ArithmeticError):
         margins = case.autopilot.margins(plant)

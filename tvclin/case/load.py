@@ -77,7 +77,10 @@ class LoadBound:
 
     @property
     def bound(self) -> float:
-        """Bound as an angle of attack [rad]."""
+        """Bound as an angle of attack [rad].
+
+        The largest angle itself, q alpha over the dynamic pressure q, or moment over its slope.
+        """
         if self.load is not None:
             return self.load
         if self.q_alpha is not None and self.dynamic_pressure is not None:
@@ -88,7 +91,11 @@ class LoadBound:
 
     @property
     def ratio(self) -> float:
-        """Ratio M_delta/M_alpha of the slopes of the bending moment; zero for another bound."""
+        """Ratio M_delta/M_alpha of the slopes of the bending moment; zero for another bound.
+
+        Slopes over deflection and angle of attack, so that the load as an angle is alpha + ratio
+        times delta.
+        """
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
     def at_pressure(self, ratio: float) -> Self:
@@ -202,7 +209,7 @@ class FlownLoad(Shown):
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         if not flight.times.size:
             return cls(name, flight.status, np.inf, np.nan, max_load)
-        ratio = 0.0 if bound is None else bound.ratio
+        ratio = 0.0 if bound is None else bound.ratio  # of the moment's slopes, deflection to alpha
         loads = np.abs(flight.angle_of_attack + ratio * flight.deflection)
         worst = int(np.argmax(loads))
         return cls(name, flight.status, float(loads[worst]), float(flight.times[worst]), max_load)

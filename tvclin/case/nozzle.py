@@ -150,7 +150,11 @@ NOZZLE_TABLE = file_table(
 
 
 def _data(values: dict[str, Any]) -> NozzleData | None:
-    """Return engine and hinge, removed from the `values` of a table; None without them."""
+    """Return engine and hinge, removed from the `values` of a table; None without them.
+
+    `values`: numbers [SI] by the names of [nozzle], from which those used are taken out. With any
+    of them `InputError` unless mass and arm of the engine are among them.
+    """
     data = {name: values.pop(name) for name in (*_ENGINE, *_HINGE) if name in values}
     if not data:
         return None

@@ -106,12 +106,15 @@ class GainTradeOff(Shown):
 
     @property
     def gains(self) -> tuple[str, ...]:
-        """Names of the free gains."""
+        """Names of the free gains, "attitude", "rate" and perhaps "alpha", of all designs."""
         return next(tuple(design.problem.gains) for design in self.designs if design is not None)
 
     @property
     def meaning(self) -> str:
-        """Meaning of the deflection, "peak" or "boundary"; see `MinimumGains`."""
+        """Meaning of the deflection, "peak" or "boundary", of any of the designs.
+
+        The largest deflection of the linear loop, or the minimum limit with which flights survive.
+        """
         return next(design.meaning for design in self.designs if design is not None)
 
 
@@ -169,7 +172,11 @@ def gain_trade_off(
 
 
 def _limits(gains: MinimumGains) -> dict[str, float]:
-    """Return the boundaries and the minimum in the worst wind of `gains`, over the largest trim."""
+    """Return the boundaries and the minimum in the worst wind of `gains`, over the largest trim.
+
+    By label: the report's boundary for each K of `DEAD_BANDS`, the largest of all winds of the
+    problem, and the minimum peak of appendix C, of a control that knows the wind.
+    """
     problem, plant = gains.problem, gains.problem.plant.rigid
     trim, limits = problem.trims.max(), {}
     for K in DEAD_BANDS:

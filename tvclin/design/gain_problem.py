@@ -110,7 +110,7 @@ class GainProblem:
 
     @property
     def chains(self) -> dict[str, Any]:
-        """The filters of the autopilot by field."""
+        """Filters of command, attitude and rate by the names of their fields in `Autopilot`."""
         return {name: getattr(self, name) for name in CHAINS}
 
     @property
@@ -150,7 +150,9 @@ class GainProblem:
     def autopilot(self, points: FloatArray) -> Autopilot:
         """Return the autopilots at points of the unit box, ``(..., axes)``.
 
-        The axes are log (a0 + b0)/B, log a1 beta/B, and b0/(a0 + b0) where alpha is free.
+        The axes are log (a0 + b0)/B, log a1 beta/B, and b0/(a0 + b0) where alpha is free. a0, a1
+        and b0 are the gains on attitude, its rate and angle of attack, B is the trim deflection per
+        angle of attack, and beta [1/s] the unstable pole on a fixed path.
         """
         B, beta, (stiffest, fastest) = self._scales
         stiffness = _MIN_STIFFNESS * (stiffest / _MIN_STIFFNESS) ** points[..., 0]
@@ -167,7 +169,10 @@ class GainProblem:
         )
 
     def point(self, autopilot: Autopilot) -> FloatArray:
-        """Return the point of the gains of an autopilot in the unit box, ``(axes,)``."""
+        """Return the point of the gains of an autopilot in the unit box, ``(axes,)``.
+
+        The inverse of `autopilot`; gains beyond the search range are moved to its edge.
+        """
         B, beta, (stiffest, fastest) = self._scales
         a0, a1, b0 = (float(getattr(autopilot, name)) for name in GIVEN_GAINS)
         stiffness, rate = (a0 + b0) / B / _MIN_STIFFNESS, a1 * beta / B / _MIN_RATE
@@ -180,17 +185,21 @@ class GainProblem:
 
     @property
     def _scales(self) -> tuple[float, float, tuple[float, float]]:
-        """B, beta [rad/s], and the largest (a0 + b0)/B and a1 beta/B of the search range."""
+        """B, beta [1/s], and the largest (a0 + b0)/B and a1 beta/B of the search range.
+
+        With the natural frequency w and a damping ratio of 1 these are 1 + (w/beta)^2 and 2 w/beta;
+        w is the largest useful frequency, and the first has half as much again.
+        """
         c = self.plant.coefficients
         beta = float(np.sqrt(c.mu_alpha))
-        pace = max(self.fastest / beta, 2.0)
+        pace = max(self.fastest / beta, 2.0)  # w over beta
         return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
 
     def shortfalls(self, points: FloatArray) -> FloatArray:
         """Return the largest relative shortfall of a required margin, by row of gains, ``(n,)``.
 
-        Zero or negative where all criteria are satisfied. `points`: gains in the unit box,
-        ``(n, axes)``.
+        Zero or negative where all criteria are satisfied, 100 for an unstable loop. `points`: gains
+        in the unit box, ``(n, axes)``. Margins of modes count only for rows that satisfy all else.
         """
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
@@ -213,7 +222,7 @@ class GainProblem:
 
     @property
     def _mode_limits(self) -> tuple[Criterion, ...]:
-        """The required margins of modes."""
+        """The criteria for margins of modes, which are no margins of the whole loop."""
         return tuple(r for r in self.criteria.limits if r.margin not in MARGINS)
 
     def _mode_shortfalls(self, points: FloatArray) -> FloatArray:
@@ -227,13 +236,14 @@ class GainProblem:
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
         for verdict in replace(self.criteria, limits=self._mode_limits).judge(bands):
+            # A limit of zero would divide by it.
             surplus = np.asarray(verdict.surplus) / max(verdict.criterion.limit, 1e-9)
             worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
         return worst
 
 
 def _checked_winds(winds: Any) -> tuple[History, ...]:
-    """Return winds; `InputError` for none, a batch, and a wind without an end or peak."""
+    """Return `winds` as a tuple; `InputError` for none, a batch, and one without an end or peak."""
     checked = errors.each("winds", winds, History, "such as TriangularWind")
     if not checked:
         raise errors.InputError("winds must be one or more; got none")
@@ -249,6 +259,7 @@ def shortfall(criterion: Criterion, value: Any) -> FloatArray:
 
     `criterion`: limit of the margin. `value`: the margin, ``(n,)``, in the unit of the limit.
     """
+    # A limit of zero would divide by it.
     fraction = (criterion.limit - np.asarray(value)) / max(criterion.limit, 1e-9)
     return np.asarray(-fraction if criterion.is_upper_limit else fraction)
 
@@ -274,7 +285,8 @@ _MAX_SCAN_RATIO = 1.5
 def with_sudden_ends(winds: tuple[History, ...], stops: int) -> History:
     """Return a batch of winds: each complete, and with `stops` sudden ends at even instants.
 
-    The batch is flat, ``(winds * (stops + 1),)``.
+    The batch is flat, ``(winds * (stops + 1),)``. `winds`: one history each. The instants divide
+    the time from the onset of a wind to its end, and after each of them the wind is zero.
     """
     # The k-th wind times the k-th unit row is a batch with zero winds but for the k-th.
     rows = zip(winds, np.eye(len(winds)), strict=True)
@@ -288,9 +300,11 @@ def required_limits(
 ) -> FloatArray:
     """Return the limit that each row of gains requires, normalised by the largest trim, ``(n,)``.
 
-    `problem`: plant, winds and nozzle. `points`: gains in the unit box, ``(n, axes)``. `goal`:
-    limit above which no accuracy is needed. `scan_count`: number of limits above the required limit
-    that are flown as well, because windows of losses lie there.
+    From that limit on, up to 1.5 times it, all that are flown survive. `problem`: plant, winds and
+    nozzle. `points`: gains in the unit box, ``(n, axes)``. `goal`: limit above which no accuracy is
+    needed; a row that diverges above it is not refined. `scan_count`: number of limits above the
+    required limit that are flown as well, because windows of losses lie there. Infinite for a row
+    that diverges with the largest limit, twice the trim.
     """
     rows, winds = problem.autopilot(points), with_sudden_ends(problem.winds, problem.stops)
     survive = partial(_survive, problem, rows, winds)
@@ -303,6 +317,7 @@ def required_limits(
     while open_rows.size and first < falling.size:
         limits = falling[first : first + size]
         outcome = survive(open_rows, np.tile(limits, (open_rows.size, 1)))
+        # Index of the first limit that diverges, or their number.
         at = np.where(outcome.all(axis=1), limits.size, np.argmin(outcome, axis=1))
         survived[open_rows] = np.where(at > 0, limits[at - 1], survived[open_rows])
         ends = at < limits.size
@@ -335,7 +350,8 @@ def _survive(
     """Return whether rows of gains survive all winds with limits normalised by trim, ``(k, n)``.
 
     `problem`: plant and nozzle. `rows`: autopilots of all rows, ``(m,)``. `winds`: batch of winds.
-    `which`: indices of k of the rows. `limits`: ``(k, n)``.
+    `which`: indices of k of the rows. `limits`: n for each of these rows, ``(k, n)``, over the
+    largest trim deflection of the winds.
     """
     # Axes of a flight: row of gains, limit, wind.
     gains = {name: getattr(rows, name)[which, np.newaxis, np.newaxis] for name in GIVEN_GAINS}

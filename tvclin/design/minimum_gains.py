@@ -97,7 +97,7 @@ class MinimumGains(Shown):
     notes: tuple[str, ...] = field(metadata=spec())
 
     def table(self) -> Table:
-        """Return the table of the deflection in each wind."""
+        """Return the table of the deflection in each wind, in degrees and over that wind's trim."""
         meanings = {
             "peak": "largest deflection of the linear loop",
             "boundary": "minimum limit with which flights survive",
@@ -250,7 +250,12 @@ def minimum_deflection_gains(
 
 
 def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> MinimumGains:
-    """Return the gains that solve a problem; `start`: first points, ``(n, axes)``, or None."""
+    """Return the gains that solve a problem.
+
+    `problem`: plant, winds, nozzle and criteria. `start`: first points in the unit box of the
+    gains, ``(n, axes)``; None: the entire box is searched. `InputError` where no gains satisfy the
+    criteria.
+    """
     axes = len(problem.gains)
     first = _BOX_POINTS * (axes - 1) if start is None else _LOCAL_POINTS
     options: dict[str, Any] = {"initial": first, "start": start, "over_box": start is None}
@@ -290,7 +295,7 @@ def _rounded(problem: GainProblem, point: FloatArray) -> FloatArray:
     gains = np.array([float(getattr(exact, name)) for name in names])
     if np.any(gains <= 0.0):
         return point
-    steps = 10.0 ** (np.floor(np.log10(gains)) + 1 - _DIGITS)
+    steps = 10.0 ** (np.floor(np.log10(gains)) + 1 - _DIGITS)  # one unit of the last digit
     for reach in _REACHES:
         shifts = np.array(list(product(range(-reach, reach + 1), repeat=gains.size)))
         rows = (np.round(gains / steps) + shifts) * steps
@@ -315,7 +320,7 @@ def _cost(
     Rows that miss a criterion of the problem cost at least `UNSATISFIED_COST`. `requirement`:
     function for the deflection of rows that satisfy all criteria, exact below a goal. `points`:
     gains in the unit box, ``(n, axes)``. `pool`: rising costs of the best rows so far; the last is
-    that goal.
+    that goal. A row that satisfies them stays below, at most at 0.9 of that cost.
     """
     shortfalls = problem.shortfalls(points)
     values = UNSATISFIED_COST + np.maximum(shortfalls, 0.0)
@@ -329,8 +334,9 @@ def _cost(
 def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> FloatArray:
     """Return the peak deflections of the linear loop, normalised by the largest trim, ``(n,)``.
 
-    The largest over the winds of the problem. `points`: gains in the unit box, ``(n, axes)``.
-    `goal`: not used, as all peaks are exact.
+    The largest over the winds of the problem, until eight time constants of the fastest unstable
+    mode after each, without samples. `points`: gains in the unit box, ``(n, axes)``. `goal`: not
+    used, as all peaks are computed.
     """
     del goal
     rows = replace(problem.autopilot(points), sample_rate=None)
@@ -341,7 +347,10 @@ def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> Floa
 
 
 def _peaks(problem: GainProblem, autopilot: Autopilot) -> FloatArray:
-    """Return the exact peak deflections [rad] of an autopilot's linear loop, ``(winds,)``."""
+    """Return the exact peak deflections [rad] of an autopilot's linear loop, ``(winds,)``.
+
+    In each wind of the problem, of the loop without samples.
+    """
     response = replace(autopilot, sample_rate=None).wind_response_function(problem.plant)
     return np.array([abs(response(wind).peak("deflection")[0]) for wind in problem.winds])
 
@@ -349,6 +358,7 @@ def _peaks(problem: GainProblem, autopilot: Autopilot) -> FloatArray:
 def _boundaries(problem: GainProblem, autopilot: Autopilot, stops: int) -> FloatArray:
     """Return the boundaries [rad] of an autopilot in each wind of a problem, ``(winds,)``.
 
+    A boundary is the smallest deflection limit from which on every limit survives in flight.
     `stops`: number of sudden ends of each wind that must be survived as well.
     """
     law = SaturatedLaw.of(autopilot)
@@ -397,6 +407,7 @@ def _record(problem: GainProblem, point: FloatArray, deflections: FloatArray) ->
 def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> tuple[str, ...]:
     """Return the names of active criteria, and of winds that require the same deflection.
 
+    Active is what lies within 0.5 percent of its limit, and a wind of the largest deflection.
     `margins`: of the loop of the problem. `deflections`: in each wind [rad], ``(winds,)``.
     """
     active = [
@@ -430,6 +441,7 @@ def _notes(
     trim = problem.trims.max()
     if problem.has_alpha:
         a0, b0 = float(autopilot.attitude_gain), float(autopilot.alpha_gain)
+        # Size of alpha/alpha_w in a steady wind before the path has changed.
         ratio = a0 / (a0 + b0 - float(problem.plant.coefficients.B))
         if ratio < _MIN_ALPHA_RATIO:
             notes.append(

@@ -336,11 +336,16 @@ class Bounds(NamedTuple):
 
 
 def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
-    """Return the bounds on every law around a plant by wind: without a forecast, and wind known."""
+    """Return the bounds on every law around a plant by wind: without a forecast, and wind known.
+
+    The first holds for laws without a forecast that survive the wind even if it stops at any
+    instant, the second is the minimum peak of any control. `winds`: by name.
+    """
 
     def bounds_in(wind: History) -> Bounds:
         """Return trim [deg] in a wind, and the bounds of every law over trim."""
         trim = abs(float(plant.coefficients.B * wind.peak))
+        # The control of the known wind may begin at time 0, ahead of a later onset.
         peak = _defined(lambda: optimum_deflection(plant, wind, min(0.0, float(wind.onset))).peak)
         free = _defined(lambda: float(forecast_free_limit(plant, wind).limit))
         return Bounds(float(np.degrees(trim)), free, peak / trim if trim else np.nan)
@@ -399,7 +404,10 @@ def load_table(trials: Sequence[LawTrial]) -> Table:
 
 
 def scan_text(trials: Sequence[LawTrial]) -> str:
-    """Return the range and the steps of the limits that `trials` flew, in sentences."""
+    """Return the range and the steps of the limits that `trials` flew, in sentences.
+
+    All trials have those of the first: a coarse scan, and finer steps above the edges of losses.
+    """
     trial = trials[0]
     step = (trial.highest - trial.lowest) / STEPS
     return (
@@ -410,7 +418,10 @@ def scan_text(trials: Sequence[LawTrial]) -> str:
 
 
 def limit_warnings(trials: Sequence[LawTrial]) -> list[str]:
-    """Return the notes on limits of `trials` marked by ``!`` or ``*``, with laws and winds."""
+    """Return the notes on limits of `trials` marked by ``!`` or ``*``, with laws and winds.
+
+    ``!`` marks a reservation on a boundary; ``*`` a boundary below which some limits survive too.
+    """
     marked = [
         f'!: "{trial.law}" in "{trial.wind}": {trial.status}'
         for trial in trials
@@ -439,7 +450,10 @@ def _limit(key: str, trial: LawTrial, scale: float) -> Line:
 
 
 def _load_cell(trial: LawTrial) -> Line:
-    """Return largest angle of attack and attitude of a trial, or a dash without a boundary."""
+    """Return largest angle of attack and attitude of a trial, over the peak wind, in one cell.
+
+    A dash without a boundary: the limit is then infinite, above the highest that was tried.
+    """
     if trial.limit > trial.highest:
         return ("-",)
     key = f"loads.{trial.wind}.{trial.law}"
@@ -448,7 +462,10 @@ def _load_cell(trial: LawTrial) -> Line:
 
 
 def _doubtful(trial: LawTrial) -> bool:
-    """Return whether the status of a trial's boundary needs a note below the table."""
+    """Return whether the status of a trial's boundary needs a note below the table.
+
+    No note is needed for "ok", nor where all or none of the limits survive, which the cell shows.
+    """
     return trial.status not in (OK, NEVER, ALWAYS)
 
 

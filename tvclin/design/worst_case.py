@@ -259,14 +259,18 @@ class _Case:
     analyses: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
 
     def values(self, points: FloatArray) -> dict[str, FloatArray]:
-        """Return the numbers [SI] at n points of the unit box, ``(n,)`` by name."""
+        """Return the numbers [SI] at n `points` of the unit box ``(n, axes)``, ``(n,)`` by name.
+
+        `ends` has the smallest and the largest value of each number, at 0 and 1 of its axis.
+        """
         spread = self.ends[:, 0] * (1.0 - points) + self.ends[:, 1] * points
         return dict(zip(self.names, spread.T, strict=True))
 
     def plant(self, values: Mapping[str, FloatArray]) -> Plant:
         """Return the plants with some numbers other than the nominal ones.
 
-        `values`: these numbers [SI], ``(n,)`` by name; those of the loop are ignored.
+        `values`: these numbers [SI], ``(n,)`` by name; those of the loop are ignored. `subject` is
+        the nominal vehicle, or its coefficients.
         """
         names = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS
         changed = self.subject.replace(**{k: v for k, v in values.items() if k in names})
@@ -277,7 +281,8 @@ class _Case:
     def loop(self, values: Mapping[str, FloatArray]) -> Autopilot:
         """Return the autopilots with some numbers other than the nominal ones.
 
-        `values`: these numbers [SI], ``(n,)`` by name.
+        `values`: these numbers [SI], ``(n,)`` by name; "gain" is a factor on all gains, and those
+        of the vehicle are ignored.
         """
         a = self.autopilot
         factor = values.get("gain", 1.0)
@@ -297,6 +302,7 @@ class _Case:
         """Return a margin of loops, ``(n,)``, zero where a loop is unstable.
 
         `name`: its name in `Margins`. `values`: numbers other than nominal [SI], ``(n,)`` by name.
+        `analyses` keeps the margins of these numbers, for other margins of the same loops.
         """
         key = tuple(np.asarray(v).tobytes() for v in values.values())
         if key not in self.analyses:
@@ -307,7 +313,8 @@ class _Case:
     def deflection(self, dead_band: float, values: Mapping[str, FloatArray]) -> FloatArray:
         """Return minus the required deflection [rad], ``(n,)``; -inf in winds beyond linearity.
 
-        `dead_band`: K. `values`: numbers other than nominal [SI], ``(n,)`` by name.
+        With the sign of a margin: the smallest is the worst. `dead_band`: K. `values`: numbers
+        other than nominal [SI], ``(n,)`` by name.
         """
         assert self.wind is not None
         wind = self.wind.history(dict(values))
@@ -346,5 +353,5 @@ class _Case:
 
 
 def unit_of(name: str) -> str:
-    """Return the SI unit of the number `name` of a vehicle, a wind or a loop in a box."""
+    """Return the SI unit, as text, of the number `name` of a vehicle, a wind or a loop in a box."""
     return si_unit(BOX_TABLE.quantities[name])

@@ -100,7 +100,10 @@ class DataSheetLine(Shown):
 
     @property
     def ratio(self) -> float:
-        """Ratio of the required to the available value; -1 without an available value."""
+        """Ratio of the required to the available value, for sorting.
+
+        -1 without an available value, and zero for a requirement that is not known.
+        """
         return (
             -1.0 if self.available is None else float(np.nan_to_num(self.required / self.available))
         )
@@ -129,7 +132,8 @@ class NozzleVerdict(Shown):
         """Return the verdict on a nozzle with requirements [SI] by the names of its limits.
 
         `diverged`, `unknown`: flights that are lost, and what cannot be judged, in words. Where a
-        flight diverges with the available values, the required values are not known.
+        flight diverges with the available values, the required values are not known, unless one is
+        above what is available without that flight. Values are in the units of documents.
         """
         lines, diverged = [], tuple(diverged)
         for item in chosen(nozzle, *required):
@@ -149,7 +153,10 @@ class NozzleVerdict(Shown):
     @property
     @derived(card=False)
     def satisfied(self) -> bool | None:
-        """Whether all flights are survived and all lines satisfied; None where not known."""
+        """Whether all flights are survived and all lines satisfied; None where not known.
+
+        Lines count where the data sheet has a value; without any it is not known.
+        """
         answers = [line.satisfied for line in self.lines if line.available is not None]
         if self.diverged or False in answers:
             return False
@@ -240,13 +247,19 @@ class DutyPoint(Shown):
     @property
     @derived("angular rate")
     def minimum_rate(self) -> float:
-        """The deflection rate p d0 [rad/s] that must be exceeded at any angle."""
+        """The deflection rate p d0 [rad/s] that must be exceeded at any angle.
+
+        p: fast unstable pole [1/s]. d0: minimum angle [rad] in the known wind.
+        """
         return self.pole * self.minimum
 
     @property
     @derived("angular acceleration")
     def minimum_acceleration(self) -> float:
-        """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle."""
+        """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle.
+
+        p: fast unstable pole [1/s]. d0: minimum angle [rad] in the known wind.
+        """
         return self.pole**2 * self.minimum
 
     @property
@@ -256,7 +269,7 @@ class DutyPoint(Shown):
 
     @property
     def numbers(self) -> dict[str, float]:
-        """All numbers by keys with their units."""
+        """Sizes of all numbers by keys with their units, such as "angle_deg"."""
         numbers = document(self, *_MINIMA)
         if self.duty is not None:
             numbers |= document(self.duty, *_DUTY)
@@ -352,7 +365,10 @@ class FlightDuty(Shown):
         return write_rows([["time_s", "wind", "plane", "status", *keys, "reason"], *rows], path)
 
     def _worst(self) -> dict[str, DutyPoint]:
-        """Return the point with the largest value of each number, by key."""
+        """Return the point with the largest value of each number, by key.
+
+        Points are flights at a time and in a wind; a number that one lacks counts as -1.
+        """
         numbers = [point.numbers for point in self.points]
         worst = {}
         for key in dict.fromkeys(chain.from_iterable(numbers)):

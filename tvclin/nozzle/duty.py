@@ -79,6 +79,7 @@ class Motion:
         if flight.rate is None or flight.acceleration is None:
             rows = (t, delta, alpha, flight.attitude)
             return cls.of_samples(*(row[:: flight.times_per_sample] for row in rows))
+        # Times alternate: a change of the command, and the middle between two of them.
         weights = np.zeros(t.size - 1)
         weights[1::2] = t[2::2] - t[:-2:2]
         return cls(
@@ -121,7 +122,10 @@ class Motion:
 
 
 def largest(values: FloatArray, times: FloatArray) -> Point:
-    """Return the largest of `values` in size, with its sign, and its time [s]."""
+    """Return the largest of `values` ``(n,)`` in size, with its sign, and its time [s].
+
+    `times`: of the values, ``(n,)``.
+    """
     k = int(np.argmax(np.abs(values)))
     return Point(float(values[k]), float(times[k]))
 
@@ -182,8 +186,12 @@ def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tupl
     """Return torque, power and energy of a motion, and notes on omitted terms.
 
     The torque is M = J_E (delta'' + theta'') + s_E (a_x delta - a_n) + c delta' + k delta + M_f
-    sgn(delta') + m_E a_x e + T e_T, with the axial and normal acceleration a_x and a_n of the
-    hinge. `nozzle`: engine and hinge. `vehicle`: None on a bench.
+    sgn(delta') + m_E a_x e + T e_T, with the axial and normal acceleration a_x and a_n [m/s2] of
+    the hinge, deflection delta and attitude theta. The engine has the moment of inertia J_E about
+    the hinge, the static moment s_E = m_E l_E and the mass m_E; the hinge has the damping c, the
+    stiffness k and the friction moment M_f; e and e_T are the offsets of mass and thrust T.
+    `motion`: deflection, rates and accelerations in each step. `nozzle`: engine and hinge.
+    `vehicle`: None on a bench.
     """
     engine, weights, rate = nozzle.engine, motion.weights, motion.rate
     inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)
@@ -403,6 +411,7 @@ def duty_of_motion(
     t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
     width = min(window, float(t[-1] - t[0]))
     turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]
+    # Of straight lines the mean rate is largest in a window that begins or ends at a time given.
     begin = np.concatenate([t, t - width])
     begin = begin[(begin >= t[0]) & (begin <= t[-1] - width)]
     steady = (np.interp(begin + width, t, delta) - np.interp(begin, t, delta)) / width
@@ -429,7 +438,11 @@ def duty_of_motion(
 
 
 def _row(name: str, values: ArrayLike, t: FloatArray) -> FloatArray:
-    """Return angles `values` [rad] at times `t`, ``(n,)``; `InputError` on `name` for others."""
+    """Return angles `values` [rad] at times `t`, ``(n,)``, as an array.
+
+    `InputError` on `name` for another shape, and beyond the range of small angles; an attitude may
+    be any angle.
+    """
     check = errors.directions if name == "attitude" else errors.small_angle("an angle")
     row = check(name, values, "rad")
     if row.shape != t.shape:

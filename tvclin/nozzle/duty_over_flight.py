@@ -126,7 +126,10 @@ class FlownDuty(Shown):
 
 
 def actuator_notes(actuator: Actuator | None) -> Iterator[str]:
-    """Yield notes on rates and accelerations that the model of the actuator omits."""
+    """Yield notes on rates and accelerations that the model of the actuator omits.
+
+    An actuator without a damping is of first order.
+    """
     if actuator is None:
         yield "without an actuator, rates and accelerations are differences from sample to sample"
     elif actuator.damping is None:
@@ -296,7 +299,8 @@ class _Conditions:
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
         """Return the share of the deflection limit [rad] by plane, in proportion to trim.
 
-        `vehicle`: frozen at its flight time. `placed`: the wind in each plane.
+        `vehicle`: frozen at its flight time. `placed`: the wind in each plane. Trim is B times the
+        peak of the wind in that plane; a single plane has the whole limit, and a calm plane none.
         """
         case = self.case
         if len(placed) == 1:
@@ -328,6 +332,7 @@ class _Conditions:
         )
         plant, nozzle = case.plant.rigid, case.nozzle
         poles = unstable_modes(plant).poles
+        # The fast pole [1/s]; none of a complex pair.
         pole = np.nan if np.iscomplexobj(poles) else float(np.abs(poles).max())
         point = replace(point, minimum=float(minimum_peaks(plant, wind)), pole=pole)
         law = specified_law(case, self.law, case.hardware["rate_limit"])
@@ -355,6 +360,7 @@ class _Conditions:
                 duration = float(noisy.times[-1] - noisy.times[0])
                 noise_rate = _spent(duty_of_motion(noisy, *options)) / duration
         span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
+        # Travel and energy of the noise count apart, over the flight; those of a pulse keep theirs.
         without_noise = _spent(duty) - noise_rate * span
         return replace(
             point,
@@ -376,8 +382,9 @@ def _duties(
 ) -> Iterator[WindDuty]:
     """Yield the duty over the flight by wind: pulses count once, other winds and noise add up.
 
-    `points`: all flights. `winds`: by name. `intervals`: duration [s] of the interval around each
-    flight time.
+    `points`: all flights, each with travel and energy `without_noise`, and those of noise in a
+    second, `noise_rate`. `winds`: by name. `intervals`: duration [s] of the interval around each
+    flight time. NaN where a flight is lost or cannot be judged.
     """
     for wind, plane in dict.fromkeys((point.wind, point.plane) for point in points):
         flown = [point for point in points if (point.wind, point.plane) == (wind, plane)]
@@ -405,6 +412,9 @@ def _verdict(
 ) -> NozzleVerdict:
     """Return the verdict from the requirements of all flights and of the theory of a known wind.
 
+    A point has the minimum angle d0 [rad] of any control in its wind, the fast unstable pole p
+    [1/s] (0 without one, NaN for a complex pair), and its share of the limit [rad].
+
     `conditions`: common to all flights. `points`: all flights. `duties`: of the whole flight, by
     wind. `unknown`: what cannot be judged, in words. `turbulence`: counted on top of each wind, or
     None.
@@ -428,7 +438,7 @@ def _verdict(
     travel = float(np.max([duty.travel for duty in duties], initial=0.0))
     required = requirements_on_nozzle(nozzle, flown, travel)
     ratio = float(np.max(np.maximum(theory, angles) / limit, initial=0.0))
-    required["limit"] = conditions.limit * ratio
+    required["limit"] = conditions.limit * ratio  # of both planes, from the worst share
     required["rate_limit"] = max(float(rates.max(initial=0.0)), required["rate_limit"])
     if turbulence is not None:
         _add_turbulence(required, points, turbulence, nozzle)
@@ -481,7 +491,7 @@ def _in_turbulence(
     `case`: nozzle, model and autopilot. `request`: the flight. `law`: name of the law. `peak`:
     largest wind angle [rad], for which a law is designed. `turbulence`: None: there is none.
     """
-    if turbulence is None or law == AUTOPILOT:
+    if turbulence is None or law == AUTOPILOT:  # of none the request returns None
         return request.turbulence(case, turbulence)
     schedule, (begin, end) = request.schedule, request.schedule.span
     even = np.linspace(begin, end, 2 + int((end - begin) / _DESIGN_STEP_S))
@@ -504,6 +514,7 @@ def _in_turbulence(
     design = AutopilotDesign(
         delay=specified.delay, sample_rate=specified.sample_rate, schedule=table, **chains
     )
+    # The law's gains at its designs take the place of the autopilot's.
     flown = replace(request, scheduled_design=design)
     return flown.turbulence(replace(case, controller=None), turbulence)
 

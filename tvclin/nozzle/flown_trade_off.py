@@ -63,7 +63,10 @@ class FlownTradeOff(Shown):
     @property
     @derived("angle")
     def required(self) -> dict[str, float] | None:
-        """Limit [rad] of each law at the rate limit of the nozzle; None if not among `rates`."""
+        """Limit [rad] of each law at the rate limit of the nozzle; None if not among `rates`.
+
+        `minimum` has the rates [rad/s], and the nozzle's rate limit; `limits` is by law and rate.
+        """
         at_rate = np.flatnonzero(self.minimum.rates == self.minimum.rate_limit)
         if not at_rate.size:
             return None
@@ -202,8 +205,9 @@ def _check_samples(
 ) -> None:
     """Raise `InputError` for too many samples of all flights.
 
-    `cases`, `minima`: cases and their trade-off curves of theory by name. `winds`: number of
-    flights of a case at each rate limit.
+    `cases`, `minima`: cases and their trade-off curves of theory by name. `winds`: number of laws
+    times winds, complete and with sudden ends, of a case at each rate limit; each is flown with all
+    deflection limits of `closed_loop_boundary`, and for its whole duration.
     """
     limits = STEPS + 1 + LEVELS * ABOVE * PARTS
     samples = 0.0
@@ -219,7 +223,12 @@ def _check_samples(
 
 
 def _minimum(case: Case, rates: ArrayLike | None) -> RateTradeOff:
-    """Return the trade-off of theory of a case at `rates` [rad/s], or at multiples of its least."""
+    """Return the trade-off of theory of a case at `rates` [rad/s], or at multiples of its least.
+
+    The deflection limit that a control which knows the wind requires at each rate limit. The rate
+    limit of the case's nozzle is added. Without `rates` they are 1.25 to 20 times the rate that
+    must be exceeded with any deflection limit, or else the required rate.
+    """
     nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
     theory = partial(rate_trade_off, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
     if rates is None:

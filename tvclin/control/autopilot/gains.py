@@ -216,8 +216,9 @@ def drift_minimum_gains(
     """Return the autopilot whose flight path does not turn in a steady wind.
 
     The vehicle leans into the wind until thrust and lift across the path cancel. The size of
-    alpha/alpha_w is then (b2 + w)/(b1 + w), with w = C2/mu_alpha = g sin(Theta_n)/V_n; without
-    drag and weight it is 1/(1 + (N/T)(1 + l_a/l_c)).
+    alpha/alpha_w is then (b2 + w)/(b1 + w), with w = C2/mu_alpha = g sin(Theta_n)/V_n, and b1 and
+    b2 [1/s] of the drift model, gamma' = b1 delta/B + b2 alpha_w; without drag and weight it is
+    1/(1 + (N/T)(1 + l_a/l_c)), N being the lift slope, T the thrust, l_a and l_c the arms of both.
 
     Parameters
     ----------
