@@ -81,7 +81,10 @@ class BoxResult:
 
     @property
     def satisfied(self) -> bool:
-        """Whether the worst margins satisfy the criteria, as far as they are known."""
+        """Whether the worst margins satisfy the criteria, as far as they are known.
+
+        A criterion whose margin is not computed in a box does not count.
+        """
         return self.worst.stable and all(
             self.worst.margins[criterion.margin].value >= criterion.limit
             for criterion in self.criteria.limits
@@ -136,13 +139,14 @@ def _interval(
 ) -> tuple[str, tuple[float, float]]:
     """Return the name of a number, and its two ends [SI], of a value `text` of --box.
 
-    `vehicle`, `autopilot`, `wind`: nominal values, for ends in percent.
+    `vehicle`, `autopilot`, `wind`: nominal values, for ends in percent, which are a key without a
+    unit. `InputError` for ends in the wrong order, and percent of zero.
     """
     key, (low, high), percent = _split(text)
     if not low < high:
         raise InputError(f"--box must have a smaller and a larger value, LO..HI; got {text!r}")
     if not percent:
-        ((name, factor),) = BOX_TABLE.read({key: 1.0}).items()
+        ((name, factor),) = BOX_TABLE.read({key: 1.0}).items()  # factor: one of its unit [SI]
         return name, (factor * low, factor * high)
     check_known("number of --box", [key], BOX_TABLE.quantities)
     centre = _nominal(key, vehicle, autopilot, wind)
@@ -329,7 +333,8 @@ def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Itera
     """Yield the results of the gains of a case, and of each rule's gains for its vehicle.
 
     `loop`: autopilot of the case. `frequency`: natural frequency [rad/s] of rules that place poles;
-    None without such rules.
+    None without such rules. The rule of the case is not repeated, and the search for the minimum
+    deflection, which takes long, is left out; so is a rule without gains for this vehicle.
     """
     specified = case.autopilot_design
     rule_of_case = specified.design or ("poles" if specified.natural_frequency else "canonical")

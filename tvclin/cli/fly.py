@@ -110,6 +110,10 @@ class WhatFlies:
 
         The law of gains, of options or of the file, is the autopilot. Options of another engine or
         law are refused first; notes name what is omitted of the file.
+
+        `source`: name or path of the case. `flies`, `model`: options of the law, and of the model.
+        Gains of a file count only without --engine and --dead-band. The dead band is None where the
+        law takes its own.
         """
         in_file = self.engine is None and self.dead_band is None
         in_file &= not case.autopilot_design.unspecified
@@ -259,7 +263,11 @@ def fly_laws(
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """Trials of laws in winds of a peak [rad] and a duration [s], with bounds of the theory."""
+    """Trials of laws in winds of a peak [rad] and a duration [s], with bounds of the theory.
+
+    `rate`: sample rate of the laws [Hz]. `trials`: limit of each law in each wind, over trim.
+    `bounds`: by wind, its trim deflection and the lower bounds of any law.
+    """
 
     case: StudyPlan
     plant: AnyPlant
@@ -319,7 +327,7 @@ class _Answer:
         """The law that requires the least in the worst of the winds."""
         largest: dict[str, float] = {}
         for trial in self.trials:
-            limit = self.bounds[trial.wind].trim_deg * trial.limit
+            limit = self.bounds[trial.wind].trim_deg * trial.limit  # [deg], a multiple of trim
             largest[trial.law] = max(limit, largest.get(trial.law, 0.0))
         worst = "this wind" if len(self.bounds) == 1 else f"the worst of {len(self.bounds)} winds"
         best = min(largest, key=lambda law: largest[law])
@@ -365,7 +373,9 @@ def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
 def _winds(options: WindOptions, case: StudyPlan) -> tuple[float, float, dict[str, History]]:
     """Return peak [rad] and duration [s] for which laws are designed, and the winds by name.
 
-    `options`: options of the wind, which name the shape of a single wind. `case`: case with it.
+    `options`: options of the wind, which name the shape of a single wind. `case`: case with it. A
+    sounding, or a pulse of a given shape, is the only wind; else the standard winds of its peak and
+    duration are flown, with its gust, of a study file those of [laws].
     """
     pulse, wind = case.wind_in_plane, case.history
     if not isinstance(pulse, ShapedWind):

@@ -59,7 +59,10 @@ LINEAR = "linear"
 
 @dataclass(frozen=True, eq=False)
 class LinearCase(Flying):
-    """A flight by the linear engine, in steps."""
+    """A flight by the linear engine, in steps.
+
+    `case`, `wind`, `law`: plan, its wind and the name of the law; see `Flying`.
+    """
 
     engine = LINEAR
 
@@ -86,7 +89,10 @@ class LinearCase(Flying):
         return with_filters(chosen, self.case.autopilot_design)
 
     def boundary(self, plant: AnyPlant) -> ClosedLoopBoundary:
-        """Return the boundary of the law on a plant."""
+        """Return the boundary of the law on a plant: the smallest limit that survives the wind.
+
+        It is sought up to `MAX_LIMIT_OVER_TRIM` times trim.
+        """
         hardware = self.case.hardware
         return closed_loop_boundary(
             plant, self.control, self.wind, highest=MAX_LIMIT_OVER_TRIM, **hardware
@@ -116,7 +122,12 @@ def limited_law(case: StudyPlan, name: str) -> Law:
 
 
 def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
-    """Return the flight of a case; the default limit is 1.1 times the boundary."""
+    """Return the flight of a case; the default limit is `LIMIT_OVER_BOUNDARY` times the boundary.
+
+    `boundary`: whether the boundary is sought for a given limit too. `times`: times of the flight
+    [s], ``(n,)``. A flexible vehicle has two boundaries, its own and that of the rigid vehicle.
+    `InputError` without a finite boundary and without a limit.
+    """
     boundaries = None
     limit = case.case.nozzle.limit
     if limit is None or boundary:
@@ -139,7 +150,11 @@ def _compared(
     flight: SampledFlight,
     boundaries: tuple[ClosedLoopBoundary, ...] | None,
 ) -> Compared:
-    """Return flight and boundaries, if any, of a flexible vehicle compared with the rigid one's."""
+    """Return flight and boundaries, if any, of a flexible vehicle compared with the rigid one's.
+
+    `limit`: deflection limit [rad] of the flight. `boundaries`: of the flown vehicle and, where it
+    is flexible, of the rigid one; so are the two statuses and peak rates of the flight.
+    """
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     rate = case.case.nozzle.rate_limit
     rigid = f"; rigid: {_word(flight.status[1])}" if case.bends else ""
@@ -174,7 +189,11 @@ def _compared(
 def _flight_notes(
     case: LinearCase, flight: SampledFlight, boundaries: Iterable[ClosedLoopBoundary]
 ) -> Iterator[str]:
-    """Yield notes on an oscillation of the nozzle, and on boundaries."""
+    """Yield notes on an oscillation of the nozzle, and on boundaries that are not exact.
+
+    `boundaries`: of the flexible and of the rigid vehicle, or of the rigid one alone; empty where
+    they were not sought.
+    """
     if "rings" in flight.status:
         yield RINGS_MEANS
     for name, boundary in zip(("flexible", "rigid")[not case.bends :], boundaries, strict=False):
@@ -343,7 +362,11 @@ class AutopilotFlight:
         }
 
     def _comparison(self) -> dict[str, Any]:
-        """Return the autopilot without a limit, compared with trim and the boundaries, for JSON."""
+        """Return the autopilot without a limit, compared with trim and the boundaries, for JSON.
+
+        Beside its fields: peak normal force [N] and speed across the path [m/s] without limits, the
+        boundaries by dead band K, and the worst duration of the wind.
+        """
         compared, (force, across) = self.compared, self.peak_force_and_lateral_speed
         return {
             "model": self.case.plant.model,
@@ -428,7 +451,11 @@ class AutopilotFlight:
 
     @property
     def _verdict(self) -> str:
-        """The verdict on the limit, and the outcome of its flight."""
+        """The verdict on the limit, and the outcome of its flight.
+
+        Not known has its reason; a limit that is sufficient in this wind is compared with the peak
+        deflection in the worst duration of it.
+        """
         word, worst, limit = sufficiency(self.sufficient), self.worst, self.limit or 0.0
         if self.sufficient is None:
             bound = f"sufficient {NOMINAL}, and below the bound for a head wind"

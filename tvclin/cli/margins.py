@@ -172,7 +172,11 @@ def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
 
 
 def _poles(autopilot: Autopilot, plant: Any) -> str:
-    """Return the closed-loop poles [1/s] as text, without poles that approximate the delay."""
+    """Return the closed-loop poles [1/s] as text, without poles that approximate the delay.
+
+    Those are stable ones farther from each pole of the exact delay than
+    `_MAX_POLE_DISTANCE_RATIO`. A conjugate pair is written once, with ±.
+    """
     loop_poles = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
     if autopilot.delay:
         exact = autopilot.exact_loop(plant).closed_loop_poles

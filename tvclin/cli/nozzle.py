@@ -230,7 +230,8 @@ def over_rate(
 
     `title`: vehicle and wind, above the first table. `every_law`: whether laws are flown for the
     limit that they need at each rate limit. `required`: requirement of the study, at which the
-    required rate is stated where the case has no limit.
+    required rate is stated where the case has no limit. With laws flown at each rate their limits
+    are the first table and the figure, and the curve of the theory is a further one.
     """
     from tvclin import plots
 
@@ -276,6 +277,7 @@ def _at_limit(
     deflection = 0.0 if required is None else required.required_deflection
     if not 0.0 < deflection < np.pi / 2:
         return None
+    # the required rate does not depend on the rates of the curve: one is enough
     plant, rates, rate_limit = case.plant.rigid, front.rates[:1], front.rate_limit
     return rate_trade_off(plant, case.history, rates, limit=deflection, rate_limit=rate_limit)
 
@@ -326,7 +328,10 @@ class _RequiredRates:
 
 
 def _rate_text(required_rate: float, at: str, law: str) -> str:
-    """Return a required rate [rad/s] in words; `law`: the flown law, empty for the theory."""
+    """Return a required rate [rad/s] in words; `law`: the flown law, empty for the theory.
+
+    `at`: deflection with which the rate is required, in words: "limit", or the required one.
+    """
     if np.isinf(required_rate):
         return f"no rate is sufficient{f' for {law}' * bool(law)} with the {at}"
     whose = f" of {law}" * bool(law)

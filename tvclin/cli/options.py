@@ -138,7 +138,7 @@ class Options:
 
     @cached_property
     def fields(self) -> dict[str, Field]:
-        """The fields by the names of parameters."""
+        """The fields by the names of parameters; without those that have no option."""
         all_fields = parameters(self._kind)
         chosen = [all_fields[name] for name in self.names]
         return {
@@ -159,7 +159,10 @@ class Options:
         return [_option(name, item, self.shown, panel) for name, item in self.fields.items()]
 
     def taken(self, options: dict[str, Any]) -> Self:
-        """Return the options of the group with values, and remove them from the command's."""
+        """Return the options of the group with values, and remove them from the command's.
+
+        `options`: values of a command by parameter; None, or an empty list, is not given.
+        """
         chosen = {name: options.pop(name) for name in self.fields}
         values = {
             item.name: item.from_option(_flag(name), chosen[name])
@@ -169,7 +172,11 @@ class Options:
         return replace(self, values=values)
 
     def over(self, plan: Any) -> Any:
-        """Return a plan with the values of these options in place of its own."""
+        """Return a plan with the values of these options in place of its own.
+
+        They are fields of the plan, or of the part of it that `at` names, which is made where the
+        plan has none.
+        """
         if not self.values:
             return plan
         if not self.at:
@@ -209,7 +216,9 @@ def _flag(parameter: str) -> str:
 def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None) -> Parameter:
     """Return the parameter of a command for a field `item`, with help, default and panel.
 
-    `name`: name of the parameter. `shown`: texts for defaults, by field.
+    `name`: name of the parameter. `shown`: texts for defaults, by field. The parameter has no
+    default, so that an option that is not given leaves the value of a file; the help shows that of
+    the field in the unit of the option.
     """
     kinds = {"text": str, "flag": bool, "count": int}
     kind: Any = kinds.get(item.kind, float)
@@ -285,10 +294,11 @@ class ShownCurves(Shown, _Csv):
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options of each parameter that is a group of them, in its place.
+    """Return a command in which the options of a group replace the parameter that is the group.
 
-    A group is an `Options`, which is the default of its parameter, or a dataclass of options and of
-    such groups.
+    A group is an `Options`, as the default of its parameter, or a dataclass of options and of such
+    groups, whose parameter has the default `GROUP`. typer reads the signature and the annotations
+    of the returned function.
     """
     shown, call = _expanded(command)
 
@@ -307,7 +317,9 @@ def _expanded(
 ) -> tuple[list[Parameter], Callable[[dict[str, Any]], Any]]:
     """Return the options of a command or group `made`, and the function that calls it with them.
 
-    That function takes the values of all options by name, and removes those of `made`.
+    That function takes the values of all options by name, removes those of `made`, and returns what
+    `made` returns: a group is a dataclass, which is made. A group in a group is expanded as well; a
+    parameter that is no group is an option itself.
     """
     shown: list[Parameter] = []
     takers: dict[str, Callable[[dict[str, Any]], Any]] = {}
@@ -336,7 +348,10 @@ def _pop_value(name: str, values: dict[str, Any]) -> Any:
 
 
 def _in_panel(option: Parameter, panel: str | None) -> Parameter:
-    """Return an option in a panel of the help."""
+    """Return an option in a panel of the help; unchanged without a panel.
+
+    One that its annotation declares, with a plain default, is unchanged too.
+    """
     if panel is None or not hasattr(option.default, "rich_help_panel"):
         return option
     default = copy(option.default)

@@ -138,7 +138,7 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     from rich.console import Console
 
     console = Console(highlight=False)
-    columns = list(zip(headings, *rows, strict=True))
+    columns = list(zip(headings, *rows, strict=True))  # heading first, then cells
     words = [max((len(cell.split()) for cell in column[1:]), default=0) for column in columns]
     prose = [length >= _MIN_WORDS_OF_PROSE for length in words]
     pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
@@ -166,7 +166,8 @@ def _widen(wider: dict[int, int], wanted: Sequence[int], spare: int, prose: Sequ
 
     `wider`: additional width of each column, which is changed. `wanted`: additional width that each
     column asks for. `spare`: width that the terminal has left. `prose`: whether each column holds
-    sentences.
+    sentences. The first column of labels takes all it asks for; each further one, the least
+    demanding first, at most an equal share of what is left.
     """
     labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
     for n, k in enumerate(labels_first):

@@ -63,7 +63,9 @@ _MAX_EXPONENT = 700.0
 class BoundedTrim:
     """A case, the deflection in its wind, K, and the limit; at nominal dynamic pressure.
 
-    `nominal` is the required deflection [rad] there, governed by `governs`, `required` a study's.
+    `nominal` is the required deflection [rad] at that pressure, set by `governs`, in words;
+    `required` the requirement of a study, which counts the pressure encountered. `wind` begins at
+    t = 0. `deflection` and `limit` are in rad.
     """
 
     case: Case
@@ -98,7 +100,11 @@ class BoundedTrim:
         return f"{wind_words(self.name, self.case)}, model {self.plant.model}, {limit}"
 
     def followed(self, length: float) -> tuple[Extremes, ResponseEnd]:
-        """Return the extremes of the attitude in a length [s], and how much of it is shown."""
+        """Return the extremes of the attitude in a length [s], and how much of it is shown.
+
+        A surviving limit that is not stable when held for ever is shown until the attitude is back
+        at zero, where an autopilot lets go of it; that time is then an extreme too.
+        """
         motion, lets_go = (self.plant, self.deflection, self.wind), not self.verdict.stable
         survives = bool(covers(self.limit, self.nominal))
         shown = response_end(*motion, length, lets_go=survives and lets_go)
@@ -159,6 +165,7 @@ def bounded_trim(
             )
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
+    # the sign of the limit, opposite to the wind for B > 0; in a wind of zero any
     opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     deflection = trim_then_hold(plant, history, opposing * limit, dead_band, "literal")
     required = study_requirement(case, dead_band)
@@ -273,7 +280,11 @@ def _end_notes(case: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
 
 
 def _constant_notes(case: BoundedTrim) -> Iterator[str]:
-    """Yield notes on the deflection that stays constant for ever, by condition (4b)."""
+    """Yield notes on the deflection that stays constant for ever, by condition (4b).
+
+    A NaN time constant of the final motion is that of a fast mode that is not excited: the slow
+    mode alone remains.
+    """
     verdict = case.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
     if not verdict.stable and np.isnan(verdict.final_motion.e_folding_times[0]):

@@ -136,7 +136,9 @@ def pairs(settings: Iterable[str]) -> list[tuple[str, str]]:
 def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
     """Raise `InputError` for a key that is set beside its own option.
 
-    `options`: the parameters of a command. `values`: their values, by name.
+    `options`: the parameters of a command. `values`: their values, by name. The key is that of the
+    option in a study file, or any key of the table that the option stands for; --winds of a command
+    without flight times (--every) stands for all of [wind].
     """
     settings = values.get(_PARAMETER)
     if not settings:
@@ -182,7 +184,8 @@ def _with_azimuth(source: str, settings: Sequence[tuple[str, str]], azimuth: flo
 def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
     """Return the error of a command that names a key of --set in place of the source that has it.
 
-    `values`: the values of the options, by name.
+    `values`: the values of the options, by name. A line of the message that begins with the source
+    and has the name of a quantity that --set gives begins with that key in its place.
     """
     from tvclin.base.errors import InputError
     from tvclin.base.files import called
@@ -239,7 +242,10 @@ def field_key(option: str) -> str | None:
 
 
 def _field_keys() -> dict[str, tuple[str, ...]]:
-    """Return the keys without units of the options of declared fields, by option."""
+    """Return the keys without units of the options of declared fields, by option.
+
+    An option of a gain also excludes the keys of the rules for gains, and the reverse.
+    """
     from tvclin.cli.options import Options
     from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS
 
@@ -319,7 +325,13 @@ def in_options(
 
 
 def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set[str]) -> str:
-    """Return a line of a message with names of parameters replaced by options of the command."""
+    """Return a line of a message with names of parameters replaced by options of the command.
+
+    `candidates`: options by name, the likely first. `given`: options of the command line. A name
+    with an underscore is replaced wherever it is a word, by the one option that is given or else by
+    the first; a single word, which may be English, only where it begins the line and has one given
+    option, after "give", and in a pair. A line on a key of a file stays.
+    """
     if _IN_A_FILE.match(line):
         return line
     for name, options in candidates.items():

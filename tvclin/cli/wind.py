@@ -62,7 +62,9 @@ class PulseOptions(_Pulse):
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options in place of its own values.
 
-        A sounding of the file is the wind unless an option of a pulse is given.
+        A sounding of the file is the wind unless an option of a pulse is given. `source` is not
+        used: other options of a wind read it. `InputError` for a direction of flight without a wind
+        that needs it, and a speed of a vehicle known by its coefficients.
         """
         wind, shape = plan.wind, self.wind
         pulse = (shape, self.duration, self.peak_deg, self.peak_speed)
@@ -117,7 +119,7 @@ class WindOptions(PulseOptions):
     def in_flight(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the wind in flight time, a pulse centred on the vehicle's own time.
 
-        `source`: file of the plan.
+        `source`: file of the plan. A vehicle without a time has the pulse around zero.
         """
         shifted = self.over(plan, source)
         if isinstance(shifted.wind, SoundingWind):
@@ -152,7 +154,9 @@ class WindOptions(PulseOptions):
     def sounding_of(self, case: Case, source: str) -> SoundingWind | None:
         """Return the sounding of --winds in the flight of a case; None without the option.
 
-        `source`: file of the case, with keys of soundings.
+        `source`: file of the case, with keys of soundings: the bias is a mean wind over height for
+        which the flight path is biased, the window [s] the part of the flight around the vehicle's
+        time in which the sounding counts.
         """
         from tvclin.ascent.schedule_file import load_schedule
 
@@ -200,7 +204,8 @@ class FlightOptions(PulseOptions):
     def soundings(self, reading: SoundingReading) -> "dict[str, SoundingRequest]":
         """Return the soundings of the files of --winds, by name.
 
-        `reading`: format, time and bias of soundings.
+        `reading`: format, time and bias of soundings; the bias is a mean wind over height for which
+        the flight path is biased. Files of one name are told apart by their paths.
         """
         from tvclin.requirement.flight.request import SoundingRequest
 
@@ -229,7 +234,11 @@ class FlightOptions(PulseOptions):
         return WindOptions(**(vars(self) | {"winds": files[0] if files else None}))
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the pulse of these options, at each flight time."""
+        """Return a plan with the pulse of these options, at each flight time.
+
+        A peak speed is that of the sizing, and gives an angle at each flight time; any option of
+        the pulse makes it a wind beside soundings. `source` is not used.
+        """
         azimuth = None if self.winds else self.azimuth_deg
         angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
         plan = PulseOptions.over(angular, plan)

@@ -123,7 +123,9 @@ def motion(plan: StudyPlan, law: str) -> Motion:
     """Return the motion of a plan's vehicle in its wind, whose gust has its time.
 
     `law`: name of the law. The response to the report's control is exact, that of `tvclin respond`;
-    a law is flown by the engine of `tvclin fly --engine linear`.
+    a law is flown by the engine of `tvclin fly --engine linear`. The report's control trims and
+    then holds the limit, with the sign against the wind. `InputError` for a vehicle without a
+    moment.
     """
     wind = plan.history
     times = _times(plan, wind)
@@ -178,6 +180,9 @@ def _times(plan: StudyPlan, wind: History) -> FloatArray:
 
 
 _UNKNOWN = CachedAnswer(None, ())
+"""Answer of a step that is not done."""
+_PARTS = 4
+"""Number of steps before the curve: margins, motion, outcome and requirement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,8 +221,9 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
     for run, slow in steps[:max_steps]:
         with nullcontext() if slow else compiling_nothing():
             done.append(run())
-    first = [*done[:4], *[_UNKNOWN] * (4 - len(done))]
-    (margins, motion, outcome, requirement), curve = first, done[4:]
+    # the first steps are four parts, the others the points of the curve
+    first = [*done[:_PARTS], *[_UNKNOWN] * (_PARTS - len(done))]
+    (margins, motion, outcome, requirement), curve = first, done[_PARTS:]
     values = [None if point.value is None else point.value.required_deflection for point in curve]
     notes = [
         note for item in (requirement, *curve, motion, outcome, margins) for note in item.notes
@@ -235,7 +241,7 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
         motion=motion.value,
         outcome=outcome.value,
         margins=margins.value,
-        verdict=_verdict(choices, requirement.value, outcome.value, len(done) > 3),
+        verdict=_verdict(choices, requirement.value, outcome.value, len(done) >= _PARTS),
         notes=(*dict.fromkeys(notes), *_neglected(choices)),
     )
 
@@ -243,7 +249,9 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
 def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     """Return the steps to an answer, and whether each takes longer than a slider may wait.
 
-    `choices`: the values of the controls.
+    `choices`: the values of the controls. Margins, motion, outcome and requirement come first, then
+    the requirement for each duration of the curve. A step is slow unless its answer is cached: a
+    motion whose gust has no time yet, and a requirement with a gust or a direction of the wind.
     """
     inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache

@@ -50,6 +50,7 @@ WORST = "worst"
 _RULES = (OWN, CANONICAL, "half-relief", "lqr")
 _DEG = np.pi / 180.0
 _PEAK = 5.0
+"""Peak of a usual wind [deg], the scale of the sliders of peak and limit."""
 LONGEST = 30.0
 """Longest wind [s] of the curve."""
 _ROUND_MANTISSAS = np.array([1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0])
@@ -96,14 +97,21 @@ class Choices:
 
     @property
     def gust_inputs(self) -> StudyPlan:
-        """Plan of the values on which the time of a gust in the response depends."""
+        """Plan of the values on which the time of a gust in the response depends.
+
+        Its dead band counts for the report's control alone; for a law it is 1.
+        """
         p = self.plan
         K = p.dead_band if self.law == REPORT else 1.0
         return _bare(p, wind=p.wind, dead_band=K, design=None)
 
     @property
     def motion_inputs(self) -> StudyPlan:
-        """Plan of the values on which response or flight depend, except the time of the gust."""
+        """Plan of the values on which response or flight depend, except the time of the gust.
+
+        The report's control takes the rigid vehicle, the limit and the dead band alone; a law flies
+        with structure, nozzle, delay, samples and filters, and the autopilot with its gains too.
+        """
         p, flown = self.plan, self.law != REPORT
         hardware = replace(p.nozzle, limit_shape=None) if flown else Nozzle(limit=p.nozzle.limit)
         design = p.design if self.law == AUTOPILOT else loop_of(p.autopilot_design)
@@ -190,9 +198,14 @@ def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
 
 
 def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
-    """Return the sliders, by field, with start values of a plan and ranges for all vehicles."""
-    start, *others = (_sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles))
-    B, per_rate = (max(pair) for pair in zip(*others, strict=True))
+    """Return the sliders, by field, with start values of a plan and ranges for all vehicles.
+
+    Limits and gains have the scale of ``|B|``, and of ``|B|/beta`` [s] for a rate gain.
+    """
+    (start_B, start_per_rate), *others = (
+        _sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles)
+    )
+    B, per_rate = (max(sizes) for sizes in zip(*others, strict=True))
     wind, nozzle, design = plan.wind, plan.nozzle, plan.autopilot_design
     assert isinstance(wind, ShapedWind)
     gust, rate = wind.gust, nozzle.rate_limit or 0.0
@@ -208,16 +221,18 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
         "gust_peak": Slider("gust peak [deg]", gust_peak, -10.0, 10.0, 0.1),
         "gust_duration": Slider("gust length [s]", lasts, 0.1, 10.0, 0.1),
         "dead_band": Slider("dead band K [-]", plan.dead_band, 0.0, 1.0, 0.01),
-        "limit": _fitted("limit [deg]", 0.75 * start[0] * _PEAK, 3.0 * B * _PEAK, 1, limit),
+        "limit": _fitted("limit [deg]", 0.75 * start_B * _PEAK, 3.0 * B * _PEAK, 1, limit),
         "rate_limit": Slider("rate limit [deg/s]", rate / _DEG, 0.0, 20.0, 0.1),
         "actuator": Slider("actuator [rad/s]", servo, 0.0, 100.0, 0.1),
-        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start[0], 15.0 * B, 0, design.attitude_gain),
-        "rate_gain": _fitted("gain a1 [s]", 3.0 * start[1], 15.0 * per_rate, 0, design.rate_gain),
+        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start_B, 15.0 * B, 0, design.attitude_gain),
+        "rate_gain": _fitted(
+            "gain a1 [s]", 3.0 * start_per_rate, 15.0 * per_rate, 0, design.rate_gain
+        ),
         "alpha_gain": _signed("gain b0 [-]", 5.0 * B, design.alpha_gain),
         "delay": Slider("delay [ms]", 1e3 * design.delay, 0.0, 200.0, 1.0),
         "sample_rate": Slider("samples [Hz]", design.sample_rate or 0.0, 0.0, 200.0, 1.0),
     }
-    return {field: _with_room(vehicle) for field, vehicle in all_sliders.items()}
+    return {field: _with_room(slider) for field, slider in all_sliders.items()}
 
 
 def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
@@ -267,7 +282,7 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
     None for a wind or gust without a speed, and once its angle, its vehicle or direction changed.
     """
     start: Values = {k: slider.value for k, slider in sliders(base, [base.vehicle]).items()}
-    start |= {k: choice[2] for k, choice in lists(base, [""]).items()}
+    start |= {k: begin for k, (_, _, begin) in lists(base, [""]).items()}
     wind = base.wind
     assert isinstance(wind, ShapedWind)
     stays = vehicle is base.vehicle and all(
@@ -399,7 +414,10 @@ def _sizes(vehicle: AnyVehicle, plane: str) -> tuple[float, float]:
 
 
 def round_up(size: float) -> float:
-    """Return the smallest round number that is not below `size`."""
+    """Return the smallest round number that is not below `size`, a mantissa times a power of ten.
+
+    Rounding of 1e-12 does not make a round number the next one.
+    """
     ten = 10.0 ** np.floor(np.log10(size))
     return float(
         ten * _ROUND_MANTISSAS[np.searchsorted(_ROUND_MANTISSAS, size / ten * (1.0 - 1e-12))]
@@ -495,7 +513,8 @@ def _nozzle(choices: Choices) -> Table:
 def _added_gains(design: AutopilotDesign) -> Table:
     """Return the keys of further numbers of a rule and added gains, where not the default.
 
-    `design`: autopilot design that has them.
+    `design`: autopilot design that has them. Design, natural frequency and damping, the first three
+    parameters of a rule, are written by `_autopilot`.
     """
     specified = parameters(AutopilotDesign)
     items = [specified[name] for name in (*RULE_PARAMETERS[3:], *ADDED_GAINS)]

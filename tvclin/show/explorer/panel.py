@@ -88,7 +88,8 @@ class Picture:
         self.canvas.restore_region(self._empty)
         for name, line in self.lines.items():
             panel = name.partition(".")[0]
-            beyond = _MAX_OVER_FRAME * frames[panel][1][1]
+            _, (_, top) = frames[panel]
+            beyond = _MAX_OVER_FRAME * top
             x, y = data[name]
             line.set_data(x, np.clip(y, -beyond, beyond))
             self.axes[panel].draw_artist(line)
@@ -98,7 +99,11 @@ class Picture:
         return made.getvalue()
 
     def _frame(self, frames: dict[str, tuple[Ends, Ends]]) -> None:
-        """Draw the panels whose frames have changed; the others stay as they are."""
+        """Draw the panels whose frames have changed; the others stay as they are.
+
+        `frames`: limits of abscissa and ordinate by panel. The drawn axes, without curves, are kept
+        as the empty picture on which `png` draws.
+        """
         from matplotlib.patches import Rectangle
 
         if not self.frames:
