@@ -26,7 +26,10 @@ class Storage:
         self._memory: dict[str, FloatArray] = {}
 
     def empty(self, name: str, shape: tuple[int, ...]) -> FloatArray:
-        """Return an uninitialised array of a `shape`, in the memory of the last of this `name`."""
+        """Return an uninitialised array of a `shape`, in the memory of the last of this `name`.
+
+        The last array of the name is lost. New memory is taken where it was smaller.
+        """
         size = prod(shape)
         if name not in self._memory or self._memory[name].size < size:
             self._memory[name] = np.empty(size)

@@ -38,7 +38,11 @@ Row = tuple[str, Any, str]
 
 
 def card_rows(record: Any) -> Iterator[Row]:
-    """Yield label, value and unit of each given field of a `record` for a card, also of nested."""
+    """Yield label, value and unit of each given field of a `record` for a card, also of nested.
+
+    Fields are the `Field` specified at its attributes; those with ``card=False``, and values of
+    None, are omitted.
+    """
     for item in fields_of(record):
         if item.card:
             yield from _parts(item.title, item.unit, item.value(record))
@@ -89,7 +93,11 @@ class Shown(Record):
     """Answer whose printed text is a short form of its card."""
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Give a subclass this text before a dataclass writes its own."""
+        """Give a subclass the text of `Shown` before a dataclass writes its own.
+
+        A dataclass writes a ``__repr__`` of all fields unless the class itself has one. `options`:
+        arguments of the class statement, for other bases.
+        """
         super().__init_subclass__(**options)
         if "__repr__" not in vars(cls):
             cls.__repr__ = Shown.__repr__  # type: ignore[method-assign]  # ahead of a dataclass
@@ -102,7 +110,9 @@ class Shown(Record):
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
     """Yield (label, value, unit) rows of a field: one, or one per entry of a mapping or `Record`.
 
-    `name`: label of the field, ahead of an entry's. `unit`: text, of the value and its entries.
+    Of a tuple of records the rows are those of each with a name, or their number. Nothing is
+    yielded for None and an empty text or tuple. `name`: label of the field, ahead of an entry's.
+    `unit`: text, of the value and its entries.
     """
     if isinstance(value, dict):
         for label, item in value.items():
@@ -135,7 +145,10 @@ def table(shown: Table, said: Iterable[Line] = ()) -> str:
 
 
 def _shown(value: Any, unit: str = "") -> str:
-    """Return the text of a `value` in a card, to six digits; a `unit` "deg" to three decimals."""
+    """Return the text of a `value` in a card, to six digits; a `unit` "deg" to three decimals.
+
+    Texts are themselves, flags yes or no, and an array of words its different words.
+    """
     if isinstance(value, tuple) and all(isinstance(item, str) for item in value):
         value = "; ".join(value) or "none"
     if value is None or isinstance(value, str):
@@ -145,7 +158,7 @@ def _shown(value: Any, unit: str = "") -> str:
         return "none"
     if array.dtype.kind == "b":
         return ", ".join("yes" if item else "no" for item in array.ravel()[:_MAX_LISTED_NUMBERS])
-    if array.dtype.kind not in "iufc":
+    if array.dtype.kind not in "iufc":  # no numbers: words
         return ", ".join(np.unique(array.astype(str)).tolist())
     return _numbers(array, unit)
 
@@ -154,7 +167,7 @@ def _numbers(array: AnyArray, unit: str) -> str:
     """Return the text of an array in a `unit`: its numbers, or range and shape of a long one."""
     is_angle = array.size == 1 and unit == "deg" and np.isrealobj(array)
     if is_angle and _MIN_FIXED_ANGLE <= abs(array) < np.inf:
-        return text(number("", array.item()))
+        return text(number("", array.item()))  # a number without a name, to three decimals
     if array.size <= _MAX_LISTED_NUMBERS:
         return ", ".join(f"{value:.6g}" for value in array.ravel().tolist())
     defined = array[~np.isnan(array)]
@@ -229,7 +242,7 @@ class Columns:
             values = np.degrees(values)
         elif column.unit == "UTC":
             values = values.astype("datetime64[m]").astype(str)
-        if column in self.axes:
+        if column in self.axes:  # an axis; degrees are rounded, so that 0.3 is not 0.30000000000004
             axes, values = (column.key,), values.round(12) if column.unit == "rad" else values
         if axes is None:
             return values
@@ -237,7 +250,10 @@ class Columns:
 
 
 def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) -> tuple[Column, ...]:
-    """Return the fields `names` of a record over `axes`, as in `Column`, as columns in SI units."""
+    """Return the fields `names` of a record over `axes`, as in `Column`, as columns in SI units.
+
+    Without axes they are over all axes of the table; "1" is the unit of a number without one.
+    """
     return tuple(
         Column(item.name, np.asarray(item.si_value(record)), item.si_unit or "1", axes)
         for item in chosen(record, *names)
@@ -245,7 +261,7 @@ def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) ->
 
 
 class Tabled(Shown):
-    """Answer whose numbers are `_columns`."""
+    """Answer whose numbers are columns over axes, for a CSV and a Dataset: `_columns`."""
 
     def _columns(self) -> Columns:
         """Return the numbers of the answer as columns over its axes."""

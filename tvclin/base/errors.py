@@ -45,7 +45,10 @@ class NotKnownError(InputError):
 
 @contextmanager
 def naming(what: str) -> Iterator[None]:
-    """Prefix each line of an `InputError` raised inside with `what`: a file, a table or a row."""
+    """Prefix each line of an `InputError` raised inside with `what`: a file, a table or a row.
+
+    An error of several faults has a line for each.
+    """
     try:
         yield
     except InputError as error:
@@ -132,7 +135,10 @@ def numbers(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
 
 
 def array_of(name: str, value: ArrayLike, kinds: str, rule: str) -> AnyArray:
-    """Return `value` as an array of numpy `kinds`, as "iuf"; else `name` must be `rule`."""
+    """Return `value` as an array of numpy `kinds`; else `InputError`: `name` must be `rule`.
+
+    `kinds`: letters of the kinds of numpy types, such as "iuf" for integers and floats.
+    """
     try:
         array = np.asarray(value)
         if array.dtype.kind not in kinds:
@@ -145,7 +151,8 @@ def array_of(name: str, value: ArrayLike, kinds: str, rule: str) -> AnyArray:
 def _finite(name: str, value: ArrayLike, unit: str) -> tuple[FloatArray, float, float]:
     """Return `value` [`unit`] as a finite array, its minimum and its maximum; (inf, -inf) if empty.
 
-    An empty array passes all checks by these. `InputError` about the argument `name` otherwise.
+    An empty array passes all checks of a range by these. `InputError` about the argument `name`
+    otherwise.
     """
     array = numbers(name, value, unit)
     if not array.size:
@@ -204,6 +211,7 @@ def one_of(name: str, value: object, choices: Iterable[str]) -> str:
     similar = get_close_matches(str(value), names, n=2, cutoff=0.5) if word else []
     hint = f" (did you mean {' or '.join(map(repr, similar))}?)" if similar else ""
     listed = ", ".join(names)
+    # the quoted value gets what the choices leave of a message of limited length
     room = _MAX_LISTED_CHARACTERS - len(listed)
     got = _shortened(shown(value), max(room, _MIN_QUOTED_CHARACTERS))
     raise InputError(f"{name} must be one of {listed}; got {got}{hint}")
@@ -227,11 +235,14 @@ def each(name: str, values: object, kind: type, maker: str) -> tuple[Any, ...]:
 
 
 def different(name: str, values: object) -> tuple[Any, ...]:
-    """Return the tuple `values`; `InputError` about `name` if it is empty or repeats a value."""
+    """Return the tuple `values`; `InputError` about `name` if it is empty or repeats a value.
+
+    Also for another type than a tuple, such as a list.
+    """
     try:
         if isinstance(values, tuple) and 0 < len(values) == len(set(values)):
             return values
-    except TypeError:  # what cannot be told apart
+    except TypeError:  # values without a hash, which are not compared
         pass
     raise InputError(f"{name} must be a tuple of one or more different values; got {shown(values)}")
 
@@ -306,13 +317,19 @@ def bearing(name: str, value: ArrayLike) -> float:
 
 
 def in_degrees(angle: float) -> str:
-    """Return an angle [rad] in degrees, and in radians too, in which an array is given."""
+    """Return the text of an `angle` [rad] for a message, in degrees and in radians.
+
+    Arguments are in radians, options of commands in degrees.
+    """
     with np.errstate(over="ignore"):
         return f"{np.degrees(angle):.6g} deg ({angle:.6g} rad)"
 
 
 def small_angle(what: str, check: _Check = finite) -> _Check:
-    """Return a `check` of angles, called `what`, that are within 90 degrees, in rad or "deg"."""
+    """Return a `check` of angles, called `what`, that are within 90 degrees, in rad or "deg".
+
+    The check is a function of name, value and unit. 90 degrees themselves are refused.
+    """
 
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
         """Return angles `value` in `unit` after the check; else `InputError` about `name`."""
@@ -364,7 +381,10 @@ def whole_number(name: str, value: object) -> int:
 
 
 def ending(name: str, end: ArrayLike) -> None:
-    """Raise `InputError` about a history `name` without end, or zero: `end` [s] not finite."""
+    """Raise `InputError` about a history `name` without end, or zero: `end` [s] not finite.
+
+    A history that is zero at all times has an end of minus infinity.
+    """
     if not np.all(np.isfinite(end)):
         raise InputError(f"{name} must end, and be other than zero")
 
@@ -395,11 +415,12 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
 def _require(name: str, rule: str, array: FloatArray, good: BoolArray, unit: str) -> None:
     """Raise `InputError` about the first of `array` that is not `good`: `name` must be `rule`.
 
-    `good`: whether each element satisfies the rule, in its shape. `unit`: of the elements.
+    The message has the index of that element, unless the array is a single number. `good`: whether
+    each element satisfies the rule, in its shape. `unit`: of the elements.
     """
     if np.all(good):
         return
-    where = np.unravel_index(int(np.argmin(good)), good.shape)
+    where = np.unravel_index(int(np.argmin(good)), good.shape)  # the first False, on all axes
     index = where[0] if len(where) == 1 else tuple(int(i) for i in where)
     position = f" at index {index}" if where else ""
     unit = f" {unit}" if unit else ""

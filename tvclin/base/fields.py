@@ -35,7 +35,10 @@ _Getter = TypeVar("_Getter", bound=Callable[..., Any])
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: a record by its fields, None for NaN and infinity."""
+    """Return a value as JSON can hold it: a record by its fields, None for NaN and infinity.
+
+    Arrays become lists, numbers of numpy those of Python, and a complex number its two parts.
+    """
     if hasattr(value, "as_dict"):
         value = value.as_dict()
     elif is_dataclass(value):
@@ -171,11 +174,18 @@ class Field:
         return source(record) if callable(source) else attrgetter(source)(record)
 
     def line(self, record: Any, prefix: str) -> lines.Line:
-        """Return the value of a record as a cell with unit; its number is called `prefix`.key."""
+        """Return the value of a record as a cell with unit; its number is called `prefix`.key.
+
+        The key is that of a document, with the unit at its end.
+        """
         return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
 
     def cell(self, name: str, value: Any, unit: str = "") -> lines.Line:
-        """Return a `value` in the unit of documents as the cell `name` of a table, with `unit`."""
+        """Return a `value` in the unit of documents as the cell `name` of a table, with `unit`.
+
+        A flag is yes or no, None a dash. Angles and decibels have a fixed number of decimals, other
+        numbers significant digits, unless the field says otherwise.
+        """
         if isinstance(value, bool | np.bool_ | str):
             return (value or "none",) if isinstance(value, str) else ("yes" if value else "no",)
         if value is None or (self.infinite and np.isinf(value)):
@@ -196,7 +206,11 @@ class Field:
         return self.kind in UNITS
 
     def checked(self, name: str, value: Any, unit: str | None = None) -> Any:
-        """Return a `value` in `unit`, or in SI, that passes the check of an argument `name`."""
+        """Return a `value` in `unit`, or in SI, that passes the check of an argument `name`.
+
+        The check raises `InputError`. A number becomes a float, and several values (`many`), for
+        which `unit` is not used, a tuple.
+        """
         if self.many:
             return self._each(name, value)
         if not self.numeric:
@@ -204,7 +218,10 @@ class Field:
         return errors.number(name, value, self.check, si_unit(self.kind) if unit is None else unit)
 
     def _each(self, name: str, values: Any) -> tuple[Any, ...]:
-        """Return a tuple of `values` that all pass the check, as the argument `name`."""
+        """Return a tuple of `values` that all pass the check, as the argument `name`.
+
+        `InputError` if there is none, and for words that are repeated.
+        """
         if not self.numeric:
             return tuple(self.check(name, item) for item in errors.different(name, values))
         requested = errors.finite(name, values)
@@ -216,14 +233,17 @@ class Field:
         """Return the `value` of the option `name`, which is in the option's unit, in SI units."""
         if not self.numeric:
             return self._each(name, tuple(value)) if self.many else self.check(name, value)
-        _, unit, factor = optional_unit(self.kind)
+        _, unit, factor = optional_unit(self.kind)  # text of the unit, and its factor to SI
         if self.many:
             return tuple(factor * errors.number(name, item, self.check, unit) for item in value)
         return factor * errors.number(name, value, self.check, unit)
 
 
 def chosen(record: Any, *names: str) -> list[Field]:
-    """Return the `Field` of each of `names` of a record; without names, all that documents show."""
+    """Return the `Field` of each of `names` of a record; without names, all that documents show.
+
+    They are in the order of the record. `AttributeError` for a name that is no field of it.
+    """
     specified = fields_of(record)
     if missing := set(names) - {item.name for item in specified}:
         raise AttributeError(f"{type(record).__name__} has no field {', '.join(sorted(missing))}")
@@ -231,7 +251,10 @@ def chosen(record: Any, *names: str) -> list[Field]:
 
 
 def document(record: Any, *names: str) -> dict[str, Any]:
-    """Return the fields `names`, or all, of a record by document key, in degrees and dB."""
+    """Return the fields `names`, or all, of a record by document key, in degrees and dB.
+
+    Keys of a mapping among the values become text, as JSON requires.
+    """
     values = {item.document_key: item.value(record) for item in chosen(record, *names)}
     return {
         key: {str(name): entry for name, entry in value.items()}
@@ -364,17 +387,26 @@ def _field(item: Field, default: Any) -> Any:
 
 
 def spec(kind: str = "", label: str = "", **more: Any) -> Mapping[str, Any]:
-    """Return the metadata of a dataclass attribute, with a `Field` of this kind and label."""
+    """Return the metadata of a dataclass attribute, with a `Field` of this kind and label.
+
+    `more`: further attributes of the `Field`.
+    """
     return specs(Field(kind=kind, label=label, **more))
 
 
 def specs(*specified: Field) -> Mapping[str, Any]:
-    """Return the metadata of a dataclass attribute, with several `Field`."""
+    """Return the metadata of a dataclass attribute, with several `Field`.
+
+    Several are shown of one attribute, such as a vector by its size and its direction.
+    """
     return {_SPECIFICATION: specified}
 
 
 def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
-    """Return the decorator, below ``@property``, that gives a property a `Field` of this kind."""
+    """Return the decorator, below ``@property``, that gives a property a `Field` of this kind.
+
+    `more`: further attributes of the `Field`.
+    """
 
     def mark(getter: _Getter) -> _Getter:
         """Attach the `Field` to the getter of a property, and return the getter."""
@@ -392,12 +424,17 @@ def fields_of(record: Any) -> tuple[Field, ...]:
 
 @cache
 def _fields_of(kind: Any) -> tuple[Field, ...]:
-    """Return the `Field` of each attribute and property of a class `kind`, cached."""
+    """Return the `Field` of each attribute and property of a class `kind`, cached.
+
+    Attributes come first, then properties, those of base classes ahead. A field without a name of
+    its own has that of its attribute.
+    """
     specified: dict[str, tuple[Field, ...]] = {}
     if is_dataclass(kind):
         specified = {x.name: x.metadata.get(_SPECIFICATION, ()) for x in fields(kind)}
     for base in reversed(kind.__mro__):
         for name, member in vars(base).items():
+            # the function of a property, or of a cached property
             getter = getattr(member, "fget", getattr(member, "func", None))
             if hasattr(getter, _SPECIFICATION):
                 specified[name] = getattr(getter, _SPECIFICATION)
@@ -410,7 +447,11 @@ def _fields_of(kind: Any) -> tuple[Field, ...]:
 
 @cache
 def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
-    """Return the `Field` of each parameter of a dataclass `kind`, by name, with its help."""
+    """Return the `Field` of each parameter of a dataclass `kind`, by name, with its help.
+
+    The help is the entry of the name in the docstring of the class or of a base. Attributes without
+    a `Field` are omitted.
+    """
     helps: dict[str, str] = {}
     for item in reversed(inspect.getmro(kind)):  # type: ignore[arg-type]
         helps |= help_lines(item)
@@ -427,7 +468,11 @@ def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
 
 
 def checked(record: Any, *names: str) -> None:
-    """Set parameters `names`, by default all, of a `record` to checked values; None may stay."""
+    """Set parameters `names`, by default all, of a `record` to checked values.
+
+    None stays where it is the default. The record may be frozen: it is called while it is made.
+    `InputError` for a value that does not pass the check of its field.
+    """
     kind: Any = type(record)
     optional = {item.name for item in fields(kind) if item.default is None}
     specified = parameters(kind)
@@ -440,8 +485,10 @@ def checked(record: Any, *names: str) -> None:
 def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any) -> FileTable:
     """Return the table of a file, under `heading`, for parameters of the dataclass `kind`.
 
-    `names`: of the parameters; by default all that have a key. `more`: further words, lists and
-    quantities of the table, as in `FileTable`.
+    Numbers become quantities with a unit in the key, others words or lists. Checks that hold in any
+    unit are made where the file is read, so that messages have its key. `names`: of the parameters;
+    by default all that have a key. `more`: further words, lists and quantities of the table, as in
+    `FileTable`.
     """
     specified = [parameters(kind)[name] for name in names] or _keyed(kind)
     single = [item for item in specified if not item.many]
@@ -457,7 +504,11 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
 
 
 def _in_any_unit(item: Field) -> bool:
-    """Return whether the check of the number `item`, such as a sign, holds in any unit."""
+    """Return whether the check of the number `item`, such as a sign, holds in any unit.
+
+    Checks of angles do, since they know rad and deg (`small_angle`); a range of other numbers
+    (`between`) is one in SI units.
+    """
     return item.numeric and (
         item.kind == "angle" or item.check in (errors.positive, errors.nonnegative, errors.nonzero)
     )
@@ -471,7 +522,8 @@ def _keyed(kind: type) -> list[Field]:
 def completed(text: str, table: FileTable, kind: type) -> str:
     """Return a template whose table names every key of its fields, the others in comments.
 
-    `text`: the template, in which `table` ends with an empty line. `kind`: dataclass of the fields.
+    A missing key gets a comment with its name and its help below the table. `text`: the template,
+    in which `table` ends with an empty line. `kind`: dataclass of the fields.
     """
     start = text.index(f"\n{table.heading}\n")
     end = text.find("\n\n", start + 1) % len(text)
@@ -488,9 +540,13 @@ def completed(text: str, table: FileTable, kind: type) -> str:
 
 
 def help_lines(kind: type) -> dict[str, str]:
-    """Return the lines of help in the docstring of a class `kind`, by attribute or parameter."""
+    """Return the lines of help in the docstring of a class `kind`, by attribute or parameter.
+
+    They are the entries of its section Parameters, or Attributes, in numpydoc's form; an entry of
+    several names, "start, stop : float", is that of each.
+    """
     doc = inspect.cleandoc(kind.__doc__ or "")
-    *_, attributes = _SECTION.split(doc, maxsplit=1)
+    *_, attributes = _SECTION.split(doc, maxsplit=1)  # the text after the section's underline
     helps: dict[str, str] = {}
     for names, description in _ENTRY.findall(re.split(r"\n\n(?=\w)", attributes)[0] + "\n"):
         helps |= dict.fromkeys(names.split(", "), " ".join(description.split()))
@@ -498,7 +554,11 @@ def help_lines(kind: type) -> dict[str, str]:
 
 
 def help_line(item: Field) -> str:
-    """Return the help of the option of a field `item`: its line, in the unit of the option."""
+    """Return the help of the option of a field `item`: its line, in the unit of the option.
+
+    The unit in brackets becomes ", in deg" at the end of the first clause, and choices that the
+    line does not name are listed there.
+    """
     help_text = item.help.replace("`", "")
     if item.numeric and _UNIT.search(help_text):
         unit = optional_unit(item.kind)[1]

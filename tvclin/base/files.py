@@ -91,7 +91,8 @@ _QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 def write_whole(path: Path, write: Callable[[str], Any]) -> None:
     """Call `write` with a temporary path, and move the complete file to its place.
 
-    An existing file is replaced, with its mode; a link is followed.
+    An existing file is replaced, with its mode; a link is followed. If `write` fails, the temporary
+    file is removed and the old one stays. `InputError` where the file cannot be written.
     """
     path = target_of(path)
     try:
@@ -114,7 +115,10 @@ def write_whole(path: Path, write: Callable[[str], Any]) -> None:
 
 
 def target_of(path: Path) -> Path:
-    """Return the path to write, behind links; `InputError` where no file can be written."""
+    """Return the path to write, behind links; `InputError` where no file can be written.
+
+    That is a directory, a device, a folder that does not exist, or a name that is too long.
+    """
     name, path = called(path), _behind_links(path)
     if exists(path) and path.is_dir():
         raise InputError(f"{name} is a directory; name a file in it")
@@ -167,7 +171,8 @@ def read_text(path: Path, kind: str, start: str = "", encodings: tuple[str, ...]
     """Return the text of the file `path`, with or without a byte order mark.
 
     For messages, `kind` is what it should be, "a vehicle file", and `start` how to get one.
-    `encodings`: UTF-8, or `ENCODINGS` of tables that spreadsheets write.
+    `InputError` for an empty file, and a line that is too long. `encodings`: UTF-8, or `ENCODINGS`
+    of tables that spreadsheets write.
     """
     content, name = read_bytes(path, kind, start), called(path)
     text = _decoded(content, name, encodings)
@@ -218,7 +223,11 @@ def _decoded(content: bytes, name: str, encodings: tuple[str, ...]) -> str:
 
 
 def tables_of(text: str, source: str) -> dict[str, Any]:
-    """Return the tables of a TOML text, or of an edited source; `source` names it in messages."""
+    """Return the tables of a TOML text, or of an edited source; `source` names it in messages.
+
+    The tables of an `EditedSource` take the place of those of the text. `InputError` for a text
+    that is not TOML, nested too deep, or has a number beyond all floats.
+    """
     tables = source.tables if isinstance(source, EditedSource) else None
     if tables is not None:
         return tables
@@ -230,7 +239,7 @@ def tables_of(text: str, source: str) -> dict[str, Any]:
         raise InputError(f"{name} is not valid TOML: {called(error)}") from None
     except RecursionError:
         raise InputError(f"{name} is not valid TOML: its lists are nested too deep") from None
-    except ValueError:
+    except ValueError:  # Python refuses integers of so many digits
         largest = sys.get_int_max_str_digits()
         raise InputError(f"{name} holds a whole number of more than {largest} digits") from None
     _check(document, name)
@@ -273,7 +282,10 @@ def make_directory(path: Path) -> None:
 
 
 def _behind_links(path: Path) -> Path:
-    """Return the target of `path` if that is a link; any other path unchanged."""
+    """Return the target of `path` if that is a link; any other path unchanged.
+
+    `InputError` for links that lead back to themselves.
+    """
     try:
         linked = path.is_symlink()
     except (OSError, ValueError):  # no file can have this name
@@ -290,7 +302,7 @@ def _mode(path: Path) -> int:
     """Return the permission bits of the file `path`, or the default ones of a new file."""
     if path.exists():
         return stat.S_IMODE(path.stat().st_mode)
-    mask = os.umask(0)
+    mask = os.umask(0)  # it can only be read by setting it
     os.umask(mask)
     return 0o666 & ~mask
 
@@ -329,7 +341,10 @@ def _unwritable(path: Path, error: Exception) -> InputError:
 
 
 def _check_text(text: str, name: str) -> None:
-    """Raise `InputError` for a TOML `text` of a file `name` that is too long or too nested."""
+    """Raise `InputError` for a TOML `text` of a file `name` that is too long or too nested.
+
+    Nested are keys with many dots, whose parsing would take the square of their number.
+    """
     if len(text) > _MAX_TABLE_CHARACTERS:
         raise InputError(
             f"{name} has more than {_MAX_TABLE_CHARACTERS // 1_000_000} million letters"
@@ -341,7 +356,10 @@ def _check_text(text: str, name: str) -> None:
 
 
 def _check(document: dict[str, Any], name: str) -> None:
-    """Raise `InputError` for a TOML `document` of a file `name` that is too deep or large."""
+    """Raise `InputError` for a TOML `document` of a file `name` that is too deep or large.
+
+    Large is a whole number beyond all floats. Messages name the key.
+    """
     queue: list[tuple[object, str, int]] = [(document, "", 0)]
     while queue:
         value, key, depth = queue.pop()

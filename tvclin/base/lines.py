@@ -83,7 +83,10 @@ def text(line: Line) -> str:
 
 
 def labelled(label: str) -> Line:
-    """Return a label; its last word is a formula where that is a symbol, as in "thrust T"."""
+    """Return a label; its last word is a formula where that is a symbol, as in "thrust T".
+
+    A symbol is a letter or Theta or beta, with an index or without: K1, F_A.
+    """
     words, space, last = label.rpartition(" ")
     symbol = _SYMBOL.fullmatch(last)
     if symbol is None:
@@ -104,7 +107,10 @@ def words(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> T
 
 
 def as_sentence(note: str) -> str:
-    """Return a note with a full stop and, where it begins with a plain word, a capital."""
+    """Return a note with a full stop and, where it begins with a plain word, a capital.
+
+    A symbol or a number, such as "K = 1", stays as it is.
+    """
     begins = note[:1].upper() if note.partition(" ")[0].rstrip(",:").isalpha() else note[:1]
     return f"{begins}{note[1:].rstrip('.')}."
 
@@ -125,7 +131,10 @@ def number(name: str, value: Any, digits: int = 3, unit: str = "") -> Line:
 
 
 def minimum_limit(limit: Line) -> Line:
-    """Return the cell `limit` of a minimum deflection limit; "none is sufficient" if infinite."""
+    """Return the cell `limit` of a minimum deflection limit; "none is sufficient" if infinite.
+
+    The cell of an infinite number is the text "unlimited".
+    """
     return (NONE_SUFFICIENT,) if limit == (_UNLIMITED,) else limit
 
 
@@ -137,7 +146,7 @@ def significant(name: str, value: Any, digits: int = 4, unit: str = "") -> Line:
 
 
 def upper_pole(name: str, pole: complex) -> Line:
-    """Return `pole`, called `name`, to five digits; a complex one stands for its pair, with ±."""
+    """Return `pole` [1/s], called `name`, to five digits; a complex one is its pair, with ±."""
     return complex_number(name, pole, 5, "±")
 
 

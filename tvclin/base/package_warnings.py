@@ -29,7 +29,11 @@ def pass_warnings(
     def show(
         message: Warning | str, category: type[Warning], *rest: object, **more: object
     ) -> None:
-        """Pass a warning of the package to the receiver of its `category`, each message once."""
+        """Pass a warning of the package to the receiver of its `category`, each message once.
+
+        Warnings of other categories are dropped. `rest`, `more`: file and line, which only the
+        outer handler of warnings gets.
+        """
         if category not in receivers or str(message) in said:
             return
         said.add(str(message))

@@ -89,7 +89,11 @@ class Hinted:
 
 
 def _hint(kind: str, name: str, attributes: Iterable[str]) -> str:
-    """Return the message that a class `kind` lacks `name`, with the like of it in `attributes`."""
+    """Return the message that a class `kind` lacks `name`, with the public name that is meant.
+
+    That is a name of the package, if it was written in lower case; one that users of other packages
+    try first (`GUESSES`); or the most similar of `attributes`.
+    """
     if name.startswith("_"):
         return f"{kind!r} object has no attribute {name!r}"
     from difflib import get_close_matches  # late: seldom needed
@@ -102,7 +106,10 @@ def _hint(kind: str, name: str, attributes: Iterable[str]) -> str:
 
 
 def _missing(package: str, name: str) -> str:
-    """Return the message that a `package` has no public `name`: a similar name, and its chapter."""
+    """Return the message that a `package` has no public `name`: a similar name, and its chapter.
+
+    Names that users of other packages try first have an answer in `GUESSES`.
+    """
     from difflib import get_close_matches  # late: seldom needed
 
     if name in GUESSES:

@@ -42,7 +42,10 @@ NOMINAL = "at nominal dynamic pressure"
 
 
 def sufficiency(answer: bool | None) -> str:
-    """Return the verdict on a limit: SUFFICIENT, NOT SUFFICIENT; NOT KNOWN if `answer` is None."""
+    """Return the verdict on a deflection limit: SUFFICIENT, NOT SUFFICIENT or NOT KNOWN.
+
+    `answer`: whether it is sufficient; None where that is not known.
+    """
     return _word(answer, "SUFFICIENT")
 
 

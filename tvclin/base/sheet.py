@@ -62,14 +62,17 @@ class Text:
         try:
             values = np.array(cells, dtype=float)
         except ValueError:
-            values = np.array([np.inf])
+            values = np.array([np.inf])  # so that each cell is read by itself
         if np.any(np.isinf(values)):  # empty or invalid cells: parse each
             pairs = zip(cells, line.tolist(), strict=True)
             values = np.array([self._number(column, *pair) for pair in pairs], dtype=float)
         return np.where(np.isin(values, MISSING_NUMBERS), np.nan, values)
 
     def _number(self, column: str, cell: str, line: int) -> float:
-        """Return the number of a `cell`, NaN if missing; else an error on `column`, `line`."""
+        """Return the number of a `cell`, NaN if missing; else an error on `column`, `line`.
+
+        Missing is an empty cell or a word such as "n/a". Infinity is no number either.
+        """
         try:
             value = float(cell)
         except ValueError:
@@ -163,7 +166,8 @@ class Sheet:
     def find(self, *names: str) -> Heading | None:
         """Return the heading of the first of `names` that the file has; None without any.
 
-        A column of exactly that name precedes columns with a symbol after it.
+        A column of exactly that name precedes columns with a symbol after it, "speed (V)".
+        Names are compared by their letters and digits. `InputError` if several columns fit.
         """
         for name in names:
             candidates = [heading for heading in self.headings if letters(name) in heading.names]
@@ -205,6 +209,7 @@ class Sheet:
         unit = self._unit(heading, WRITTEN[dimension] if units is None else units)
         cells = self.column(heading)
         values = self.text.numbers(heading.name, cells, self.line) * unit.factor + unit.zero
+        # characters of a unit may be damaged by encodings, such as a degree sign
         damaged = unit.mangled and unit.spelling
         remark = f" (its unit is damaged, and taken for {unit.spelling})" if damaged else ""
         return Column(values, f"column {heading.text}{remark}")
@@ -263,7 +268,7 @@ def read_sheet(path: str | PathLike[str], kind: str, fit: Fit, missing: str) -> 
     """Return the table of the file `path` below its line of names, the line that fits best.
 
     `kind`: of the expected file, `missing`: the line of names in words; both for messages. `fit`:
-    function of headings to the number of known columns among them.
+    function of headings to the number of known columns among them. `InputError` without that line.
     """
     return sheet_in(read_lines(path, kind), fit, missing)
 
@@ -272,6 +277,7 @@ def sheet_in(text: Text, fit: Fit, missing: str) -> Sheet:
     """Return the table of a `text` below its line of names, the line that fits best.
 
     `fit`: function of headings to the number of known columns. `missing`: that line in words.
+    `InputError` without it.
     """
     head = head_of(text, fit)
     if head is not None:
@@ -286,7 +292,8 @@ def head_of(text: Text, fit: Fit) -> tuple[int, Headings, str] | None:
     """Return index, names and separator of the line of names in a `text`; None without one.
 
     It is the line with the most known columns, by `fit`; of equal ones the first above a row with
-    as many cells.
+    as many cells (`matches`). The search ends at a line that is certain, with three known columns
+    above such a row.
     """
     best, head = (0.0, False), None
     for i, headings, separator in _candidates(text):
@@ -323,7 +330,10 @@ def is_comment(content: str) -> bool:
 
 
 def _candidates(text: Text) -> Iterator[tuple[int, Headings, str]]:
-    """Yield index, headings and separator of each line of `text` without a number in its cells."""
+    """Yield index, headings and separator of each line of `text` without a number in its cells.
+
+    A line is split by each possible separator in turn; empty cells at its end are omitted.
+    """
     for i, content in enumerate(text.lines[:MAX_HEAD_LINE]):
         if len(content) > MAX_COLUMNS * _MAX_NAME_LENGTH or _FIRST_NUMBER.match(content):
             continue
@@ -340,7 +350,8 @@ def _candidates(text: Text) -> Iterator[tuple[int, Headings, str]]:
 def _split(content: str, separator: str) -> list[str]:
     """Return the cells of a line `content`, also of a line that is quoted entirely.
 
-    `separator`: a character, or one of `_AFTER_UNITS` and `_BLANKS`.
+    `separator`: a character, or one of `_AFTER_UNITS`, blanks after a closing bracket, and
+    `_BLANKS`, all blanks.
     """
     if separator == _AFTER_UNITS:
         return re.split(r"(?<=[)\]])\s+(?=[^\s(\[])", content.strip())
@@ -350,6 +361,7 @@ def _split(content: str, separator: str) -> list[str]:
         cells = next(csv.reader([content], delimiter=separator, skipinitialspace=True), [])
     except csv.Error:
         return content.split(separator)
+    # a line in one pair of quotation marks
     if len(cells) == 1 and separator in cells[0] and content.lstrip().startswith('"'):
         return cells[0].split(separator)
     return cells
@@ -366,7 +378,8 @@ def _heading(index: int, cell: str) -> Heading:
 def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
     """Return the sheet of the rows of `text` below the line of names, of index `head`.
 
-    `headings`, `separator`: of that line. `InputError` naming the line for another number of cells.
+    Empty lines and comments are skipped, and rows end at the markup of a page. `headings`,
+    `separator`: of that line. `InputError` naming the line for another number of cells.
     """
     for cell in headings:
         if len(cell.text) > _MAX_NAME_LENGTH:
@@ -378,7 +391,7 @@ def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
     rows: list[Cells] = []
     line: list[int] = []
     separator = separator if separator in _SEPARATORS else _BLANKS
-    for n, content in enumerate(text.lines[head + 1 :], start=head + 2):
+    for n, content in enumerate(text.lines[head + 1 :], start=head + 2):  # n: line number, from 1
         if content.lstrip().startswith("<"):  # the markup of a page goes on
             break
         if not content.strip(" \t,;") or is_comment(content):
@@ -415,7 +428,8 @@ def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
 def _with_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:
     """Return the cells of `rows` with decimal points: without any point, commas are decimal.
 
-    `line`: line numbers of the rows of `text`, for the error about a mixture or a doubtful comma.
+    A comma is doubtful if all commas may be those of thousands, "1,234". `line`: line numbers of
+    the rows of `text`, for the error about a mixture or a doubtful comma.
     """
     decimals = [
         [(match[1], cell) for cell in row if (match := _DECIMAL.fullmatch(cell))] for row in rows

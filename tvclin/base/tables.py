@@ -61,7 +61,10 @@ class FileTable:
         return " or ".join(key for key, (of, _) in self.keys.items() if of == name) or name
 
     def made(self, document: Mapping[str, Any], make: Callable[[dict[str, Any]], _T]) -> _T | None:
-        """Return what `make` returns of the table in a `document`; None without the table."""
+        """Return what `make` returns of the table in a `document`; None without the table.
+
+        An `InputError` of `make` gets the heading of the table in front.
+        """
         if self.name not in document:
             return None
         with naming(self.heading):
@@ -101,7 +104,7 @@ class FileTable:
                         raise InputError(f"{place} must be a list; got {shown(value)}")
                     values[key] = tuple(value)
                 elif key in keys:
-                    name, factor = keys[key]
+                    name, factor = keys[key]  # of the quantity without unit; its unit to SI
                     if name in key_of:
                         both_keys = f"as {key_of[name]} and {key}"
                         raise InputError(
@@ -109,7 +112,7 @@ class FileTable:
                         )
                     key_of[name] = key
                     plain = number(key, value)
-                    if name in self.checks:
+                    if name in self.checks:  # in the unit of the key, which the message has
                         unit = written(key.removeprefix(name).strip("_"))
                         self.checks[name](f"{key} in {self.heading}", plain, unit)
                     values[name] = plain * factor
@@ -138,17 +141,24 @@ class FileTable:
         faults.tell()
 
     def write(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the numbers `values`, by name, in SI units by key: the inverse of `read`."""
+        """Return the numbers `values`, by name, in SI units by key: the inverse of `read`.
+
+        The key is the one with the SI unit, the first of `spelled`.
+        """
         return {self.spelled(name).split(" or ")[0]: value for name, value in values.items()}
 
     def unknown(self, key: str) -> str:
-        """Return the message on an unknown key: its missing unit, or similar keys."""
+        """Return the message on an unknown `key`: its missing unit, or similar keys.
+
+        The unit is missing or unknown if the key begins with the name of a quantity, and no other
+        key is more similar. The name of a result (`fields`) is answered with its key in the file.
+        """
         keys, words = self.keys, (*self.words, *self.lists)
         fields = [
             self.spelled(k) for k, of in self.fields.items() if f"{key}_".startswith(f"{of}_")
         ]
         similar = fields or get_close_matches(key, [*words, *keys], n=2, cutoff=0.5)
-        nearest = keys.get(similar[0], ("",))[0] if similar else None
+        nearest = keys.get(similar[0], ("",))[0] if similar else None  # name of its quantity
         for name in sorted(self.quantities, key=len, reverse=True):
             if key == name or (key.startswith(f"{name}_") and nearest in (name, None)):
                 write = self.spelled(name)

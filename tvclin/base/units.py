@@ -106,7 +106,10 @@ _OPTION_SUFFIXES = {
 
 
 def optional_unit(kind: str) -> tuple[str, str, float]:
-    """Return the unit of an option of a `kind`: suffix of its name, text, and factor to SI."""
+    """Return the unit of an option of a `kind`: suffix of its name, text, and factor to SI.
+
+    Of an angle that is ("_deg", "deg", pi/180). Most options are in SI units.
+    """
     suffix = _OPTION_UNITS.get(kind, "")
     if not suffix:
         return _OPTION_SUFFIXES.get(kind, ""), si_unit(kind), 1.0
@@ -114,7 +117,10 @@ def optional_unit(kind: str) -> tuple[str, str, float]:
 
 
 def document_unit(kind: str) -> str:
-    """Return the unit of a `kind` at the end of a key of a document; "" for what has no unit."""
+    """Return the unit of a `kind` at the end of a key of a document; "" for what has no unit.
+
+    It is the SI unit, the first of `UNITS`, but degrees for angles and dB for gains.
+    """
     return "" if kind in _NO_UNIT else _DOCUMENT_UNITS.get(kind) or next(iter(UNITS[kind]))
 
 
@@ -204,6 +210,7 @@ def unit_of(written: str, candidates: dict[str, float]) -> Unit | None:
     written = written.translate(_SIGNS)
     key = _key(written)
     respelled = _respelled(written)
+    # 1. the same letters and digits; 2. after alternative spellings; 3. without powers, if unique
     for spelling, factor in candidates.items():
         if key == _key(spelling):
             return Unit(factor, spelling, _bare(written) != _bare(spelling))
@@ -229,7 +236,10 @@ def _key(unit: str) -> str:
 
 
 def _respelled(unit: str) -> str:
-    """Return the key of a unit after its components are spelled as usual: m/s for m/sec."""
+    """Return the key of a unit after its components are spelled as usual: m/s for m/sec.
+
+    The key is its ASCII letters, digits and strokes in lower case (`_key`).
+    """
     text = re.sub(r"[\s_]+", " ", unit.lower()).replace(" per ", "/")
     words = (_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text))
     key = _key("".join(words))
