@@ -64,6 +64,7 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
     moments = constraints.moments(cells)
     sizes = np.abs(moments).sum(axis=1)
     demands = constraints.demands / np.abs(constraints.demands / sizes).max()
+    # variables: the level of each cell, and t
     rows = np.column_stack([moments, -demands]) / sizes[:, np.newaxis]
     cost = np.append(np.zeros(cells.size - 1), -1.0)
     solution = _linear_program(cost, rows, np.zeros(sizes.size), (0.0, None))
@@ -75,7 +76,7 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
         decays = constraints.decays[determined, None]
         strength = np.abs(prices[determined]) @ np.exp(-decays * cells[:-1])
         later = np.flatnonzero(strength < _RELATIVE_LP_TOLERANCE * strength[first])
-        if not later.size or strength[later[0]] < 1e-290:
+        if not later.size or strength[later[0]] < 1e-290:  # the end of floating point
             break
         first, late = int(later[0]), moments[:, later[0] :]
         cost = -(prices[determined] @ late[determined])
@@ -135,7 +136,7 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
     `cells`: breakpoints [s], ``(k + 1,)``. `levels`: deflection over its peak, ``(k,)``. A cell at
     neither level is uncertain: its level gives the fraction that is at each.
     """
-    full = np.flatnonzero(np.abs(levels) > 1.0 - 1e-6)
+    full = np.flatnonzero(np.abs(levels) > 1.0 - 1e-6)  # within the tolerance of the program
     times: list[float] = []
     uncertain: list[int] = []
     edges = np.concatenate([[-1], full, [levels.size]])
@@ -187,10 +188,10 @@ def best_multipliers(window: Window) -> SignedSum:
     last = _with_last_switch(window)
     if last is not None and last.residual < _RELATIVE_RESIDUAL:
         return last
-    c = window.constraints
+    c = window.constraints  # its poles p, and decays and pulsations of the e_i
     fast = int(np.argmax(c.decays))
     fastest = int(np.argmax(np.real(c.poles)))
-    slower = c.poles[fastest] / 3.0
+    slower = c.poles[fastest] / 3.0  # whose demand is three times as large: equal p d, equal peak
     overtaken = slower < np.sort(c.decays)[-2]
     if overtaken or c.pulsations[fast] or not window.is_underflowing(best.multipliers):
         return best
@@ -251,8 +252,9 @@ def _from_grid(window: Window) -> SignedSum:
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
     """Return the sum of each of `guesses`, multipliers ``(n,)``, at its best scale and sign.
 
-    `window`: the poles' exponentials e_i, and their demands d_i. The sums ascend by residual, not
-    by the dual value, which does not change with very small multipliers.
+    `window`: the poles' exponentials e_i, and their demands d_i. The scale is that at which the L1
+    norm is the dual value lambda . d over the L1 norm, a bound of the peak. The sums ascend by
+    residual, not by the dual value, which does not change with very small multipliers.
     """
     trials = []
     for guess in guesses:
@@ -294,7 +296,7 @@ def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedS
         if not np.all(np.isfinite(moved)):
             continue
         trial = current.window.signed(moved)
-        if trial.residual < current.residual * (1.0 - 1e-4 * length):
+        if trial.residual < current.residual * (1.0 - 1e-4 * length):  # enough of a decrease
             return trial
     return None
 
@@ -313,7 +315,11 @@ def _in_logarithms(current: SignedSum, step: FloatArray) -> FloatArray:
 
 
 def _newton_step(current: SignedSum) -> FloatArray:
-    """Return the Newton step ``(n,)`` of the multipliers of the sum `current`, well scaled."""
+    """Return the Newton step ``(n,)`` of the multipliers of the sum `current`, well scaled.
+
+    It is for half the square of the L1 norm of lambda . e minus lambda . d, whose gradient, L1 m -
+    d with the moments m of the sign, is zero at the optimum.
+    """
     # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
     c = current.window.constraints
     slopes = np.abs(current.multipliers @ c.slopes(current.zeros))

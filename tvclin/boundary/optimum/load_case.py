@@ -79,7 +79,10 @@ class LoadCase:
 
     @cached_property
     def step_states(self) -> AnyArray:
-        """States -z, ``(k,)``, that a constant unit deflection from then on requires; else 0."""
+        """States -z, ``(k,)``, that a constant unit deflection from then on requires; else 0.
+
+        z is the scaled state of an unstable mode, z' = s z + |s| eta, at rest with z = -|s|/s eta.
+        """
         return np.where(self.unstable, self.sizes / np.where(self.unstable, self.poles, 1.0), 0.0)
 
     @property
@@ -128,6 +131,10 @@ class LoadCase:
         `reference_load`: load of the reference deflection at these points, ``(n, q)``. `widths`: of
         the cells [s], ``(n,)``. `ends`: the deflection at start and end of each cell, minus the
         reference [rad], ``(2, n)``. Returned: ``(n, q)``.
+
+        The load is that of the reference, plus M times the difference, plus the sum of c z over the
+        modes: z is summed from node to node, unstable ones backward from their final state, and
+        from the node to each point of the cell.
         """
         n, unstable, x = widths.size, self.unstable, np.linspace(0.0, 1.0, reference_load.shape[1])
         column, (start, end) = widths[:, np.newaxis], ends[:, :, np.newaxis]
@@ -158,7 +165,7 @@ class LoadCase:
         poles, right = np.linalg.eig(A)
         order = np.argsort(-poles.real, kind="stable")
         poles, right = poles[order].astype(complex), right[:, order]
-        driven = np.linalg.solve(right, B[:, 0])
+        driven = np.linalg.solve(right, B[:, 0])  # of each mode by the deflection
         share = (C[-1] @ right) * driven / np.where(poles == 0.0, 1.0, np.abs(poles))
         unstable = np.arange(poles.size) < unstable_poles(self.plant).size
         seen = np.abs(share) > _NEGLIGIBLE_SHARE * np.abs(share).max()
@@ -211,7 +218,7 @@ class LoadWeights:
         rate limit in the cells, ``(n,)``, or None: K' = h where a price is not zero.
         """
         n = self.widths.size
-        edge = self._density(np.tile([0.0, 1.0], (n, 1)))
+        edge = self._density(np.tile([0.0, 1.0], (n, 1)))  # h at both ends of each cell
         crosses = edge[:, 0] * edge[:, 1] < 0.0
         root = np.where(crosses, edge[:, 0] / np.where(crosses, edge[:, 0] - edge[:, 1], 1.0), 1.0)
         areas, first = np.zeros((2, n)), np.zeros(n)  # before and after h changes its sign

@@ -89,6 +89,7 @@ class LoadProgram:
         below, upper = self._limits(aim, bound)
         equal, right = self._states
         free = np.full(equal.shape[1], np.inf)
+        # bounds of the variables: deflections, states of the modes at the nodes, and the minimised
         if aim == LOAD:
             free[: self._variables] = bound / self._unit
         else:
@@ -104,7 +105,7 @@ class LoadProgram:
             if result.status == 0:
                 load = bound if aim == PEAK else float(result.fun) * self._unit
                 return self._solution(result, load)
-            if result.status == 2:
+            if result.status == 2:  # infeasible
                 break
         return None
 
@@ -149,7 +150,10 @@ class LoadProgram:
     def _states(self) -> tuple[Any, FloatArray]:
         """Equality rows, sparse, of the modes' states, and their right sides ``(rows,)``.
 
-        They join the states at neighbouring nodes, and set the final value.
+        They join the states at neighbouring nodes, and set the final value. With weights w over a
+        cell, an unstable mode is z(start) = decay z(end) - |s| (w_start eta(start) + w_end
+        eta(end)), a stable one z(end) = decay z(start) + |s| (...), eta being the deflection minus
+        the reference; `column` and `matrix` of the case make real numbers of complex pairs.
         """
         from scipy import sparse
 
@@ -162,6 +166,7 @@ class LoadProgram:
         end = case.column(case.sizes * np.where(case.unstable, end_weights, -start_weights))
         here = case.matrix(np.where(case.unstable, 1.0, -decay))
         after = case.matrix(np.where(case.unstable, -decay, 1.0))
+        # whether each real number belongs to an unstable mode: 1 + j marks both of a pair
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         final_states, m = case.column(case.step_states)[unstable], unstable.size
         driven = _diagonal(start[..., np.newaxis]) @ first + _diagonal(end[..., np.newaxis]) @ last
@@ -223,8 +228,8 @@ class LoadProgram:
             parts += [under(identity, True), under(-identity, True)]
             values += [np.zeros(2 * unknowns)]
         else:
-            wide, rest = self._static_bounds
-            static = identity[wide] * (1.0 / rest)
+            wide, fraction = self._static_bounds
+            static = identity[wide] * (1.0 / fraction)
             parts += [under(static, True), under(-static, True)]
             values += [np.zeros(2 * wide.size)]
         if np.isfinite(self.case.rate):
@@ -241,6 +246,7 @@ class LoadProgram:
         u = self._corrected(result.x[: self._variables] * self._unit)
         ends = np.stack([first @ u, last @ u])
         inside = self.case.load_in(self.reference_load, self.widths, ends - self.reference)
+        # prices of the inequalities in the order of `_limits`: load above, load below, .., rate
         n, rows, prices = self.widths.size, self._loads[1].size, result.ineqlin.marginals
         rate_prices = None
         if np.isfinite(self.case.rate):
@@ -261,7 +267,10 @@ class LoadProgram:
     def _corrected(self, u: FloatArray) -> FloatArray:
         """Return the variables [rad] after the smallest change that satisfies the conditions.
 
-        `u`: variables of the deflection [rad], as the program has them to its tolerance.
+        `u`: variables of the deflection [rad], as the program has them to its tolerance. The
+        conditions are that each unstable mode, decayed to the first node, has the sum zero: the
+        integral of e^(-s t) eta dt, eta being the deflection minus the reference. The least-squares
+        solution of smallest size is added.
         """
         case = self.case
         first, last = self._levels
@@ -271,6 +280,7 @@ class LoadProgram:
         )
         start, stop = (decayed[:-1] * weight * case.sizes for weight in (near, far))
         stop[-1] += decayed[-1] * case.step_states
+        # real rows of the unstable modes: 1 + j marks both numbers of a pair
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         start, stop = (case.column(row)[:, unstable].T for row in (start, stop))
         rows, sizes = start @ first + stop @ last, np.abs(start).sum(axis=1) + 1e-300
@@ -312,6 +322,7 @@ class LoadProgram:
         ``(2, n)``. `inside`: load within them [rad], ``(n, q)``. `bound`: bound of the load [rad].
         """
         peak, rate, largest = np.abs(ends).max(), self.case.rate, np.abs(inside).max(axis=1)
+        # sign of the limit that binds in each cell: peak at both its ends, load, and rate
         marks = [
             np.where(np.abs(end) > peak * (1.0 - _ACTIVE_DISTANCE), np.sign(end), 0.0)
             for end in ends

@@ -223,6 +223,7 @@ def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
     # Without a switch before the end one constant satisfies both, and so their sum.
     if np.isinf(time) or time >= c.horizon * (1.0 - _RELATIVE_ROUNDING):
         return np.zeros(0), np.sign(demands)
+    # of a sum proportional to e^(-p1 (u - time)) - e^(-p2 (u - time)), zero at the switch alone
     growth = np.exp((poles - poles.max()) * time)
     multipliers = np.array([growth[0], -growth[1]])
     return np.array([time]), multipliers * np.sign(multipliers @ demands)
@@ -237,7 +238,7 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
     # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
     fitted, demands = window.piece_moments(switches).sum(axis=1), window.constraints.demands
-    weights = fitted / window.sizes**2
+    weights = fitted / window.sizes**2  # of the least-squares fit of the limit
     limit = float(weights @ demands / (weights @ fitted))
     violation = window.violation(switches, limit)
     for _ in range(3 if switches.size else 0):
@@ -347,7 +348,7 @@ def peaks_for_demands(
 
 def _onset_moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray:
     """Return Laplace transforms of winds, for a batch `shape`, from onset at `poles` ``(n, m)``."""
-    winds, which = kernel_arrays(wind.pieces, shape)
+    winds, which = kernel_arrays(wind.pieces, shape)  # knots, coefficients, rates; wind of a case
     filled = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
     transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))
     knots = transforms.size * winds[0].shape[-1]
@@ -385,7 +386,7 @@ def _proved(
     sufficient [rad], ``(n,)``. `spans`: of p T. `pair_peaks`: function of poles and demands of
     complex pairs to bounds of their minimum peaks [rad].
     """
-    p, others = np.real(poles[:, 0]), poles[:, 1:]
+    p, others = np.real(poles[:, 0]), poles[:, 1:]  # the two others are real, or a pair
     rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0
     proved = np.zeros(p.shape, dtype=bool)
     for span in spans:
@@ -425,7 +426,7 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
 
         peak = max over phi of |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du
     """
-    k = np.real(poles) / np.imag(poles)
+    k = np.real(poles) / np.imag(poles)  # decay sigma/omega, with x = omega u
 
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
         """Return minus the quotient at phi = pi/2 - `zero`, times (sigma^2 + omega^2)/omega.
@@ -453,8 +454,9 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
 def _norm(zero: FloatArray, k: FloatArray) -> FloatArray:
     """Return the integral of e^(-k x) ``|cos(x + phi)|`` over x > 0, times 1 + k^2.
 
-    `zero`: the first zero x = pi/2 - phi. `k`: decay sigma/omega. The integral is exact up to the
-    zero, and from there on a geometric series of half waves.
+    x is omega u, of e^(-sigma u) cos(omega u + phi). `zero`: the first zero x = pi/2 - phi. `k`:
+    decay sigma/omega. The integral is exact up to the zero, and from there on a geometric series of
+    half waves.
     """
     series = (1.0 + np.exp(-k * np.pi)) / -np.expm1(-k * np.pi)
     return np.exp(-k * zero) * (1.0 + series) - np.cos(zero) + k * np.sin(zero)

@@ -92,7 +92,10 @@ class Constraints:
         return self.real_rows(np.exp(-column * knots[:-1]) * fraction / column)
 
     def real_rows(self, values: AnyArray) -> FloatArray:
-        """Return complex `values` at poles ``(m, ...)`` as rows ``(n, ...)``, two for a pair."""
+        """Return complex `values` at poles ``(m, ...)`` as rows ``(n, ...)``, two for a pair.
+
+        The two are the real part, with the cosine, and minus the imaginary part, with the sine.
+        """
         if self.real:
             return values
         components = np.stack([np.real(values), -np.imag(values)], axis=1)
@@ -199,11 +202,12 @@ class Window:
         """Times [s] from zero on, evenly spaced in their logarithm and within each period."""
         c = self.constraints
         last = min(self.end, _MAX_DECAY_TIMES / c.decays.min())
+        # far below the fastest time constant, and within the window
         first = min(1e-6 / np.abs(c.poles).max(), 1e-3 * last)
         parts = [np.zeros(1), np.geomspace(first, last, _GEOMETRIC_POINTS)]
         for pole in c.poles[np.imag(c.poles) > 0.0]:
             step = np.pi / np.imag(pole) / _POINTS_PER_HALF_PERIOD
-            reach = min(last, 700.0 / np.real(pole))
+            reach = min(last, 700.0 / np.real(pole))  # e^-700 is the end of floating point
             parts.append(np.linspace(0.0, reach, int(min(reach / step + 2, _MAX_POINTS))))
         return np.unique(np.concatenate(parts))
 
@@ -227,6 +231,7 @@ class Window:
         """Return the times [s] at which the sum with `multipliers` ``(n,)`` changes its sign."""
         c = self.constraints
         values, slopes = multipliers @ self.values, multipliers @ self.slopes
+        # a dip between neighbours: values of one sign whose slopes point towards zero, then away
         sides, rises = np.sign(values), np.sign(slopes)
         dips = (sides[:-1] == sides[1:]) & (sides[:-1] == -rises[:-1]) & (sides[1:] == rises[1:])
         times = self.grid
@@ -245,13 +250,16 @@ class Window:
         zeros = self.zeros(multipliers)
         knots = np.concatenate([[0.0], zeros, [self.end]])
         moments = self.constraints.moments(knots)
-        areas = multipliers @ moments
+        areas = multipliers @ moments  # integrals of the sum between its zeros
         signs = np.where(areas < 0.0, -1.0, 1.0)
         norm = float(np.abs(areas).sum())
         return SignedSum(self, multipliers, zeros, signs, norm, moments @ signs)
 
     def piece_moments(self, switches: FloatArray) -> FloatArray:
-        """Return moments ``(n, k + 1)`` of +1, -1, +1 ... between `switches` [s], ``(k,)``."""
+        """Return moments ``(n, k + 1)`` of +1, -1, +1 ... between `switches` [s], ``(k,)``.
+
+        The moment of a piece is its integral times each of the n exponentials e_i [s].
+        """
         signs = (-1.0) ** np.arange(switches.size + 1)
         return self.constraints.moments(np.concatenate([[0.0], switches, [self.end]])) * signs
 
@@ -271,7 +279,11 @@ class Window:
         return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())
 
     def vanishing_at(self, times: FloatArray) -> FloatArray:
-        """Return multipliers ``(n,)`` whose sum lambda . e is smallest, or zero, at `times` [s]."""
+        """Return multipliers ``(n,)`` whose sum lambda . e is smallest, or zero, at `times` [s].
+
+        They are the right singular vector of the smallest singular value of the e_i at these times,
+        scaled to like sizes. Without times they are the demands over the squared sizes of the e_i.
+        """
         c = self.constraints
         if not times.size:
             return c.demands / self.sizes**2

@@ -140,7 +140,10 @@ class RateProgram:
         """Return rows that must not be positive, and rows that equal zero or the demands.
 
         Variables are the values at the nodes after the first, their changes up and down, and
-        the bound, which is the peak, or the rate times the last time.
+        the bound, which is the peak, or the rate times the last time. The first rows bound the
+        values by the peak or, with `of_rate`, the changes by the rate; the others say that the
+        changes are those of the values, and that the moments of the deflection, its integrals times
+        the poles' exponentials, are the demands, each divided by the sum of its absolute moments.
         """
         from scipy import sparse  # late: it takes 0.1 s to import
 
@@ -167,7 +170,8 @@ class RateProgram:
         """Return the result of minimum peak, rate or total motion (`aim`); None if infeasible.
 
         `peak`: bound over `unit`. With a solution `around`, the result is 1e8 times the change from
-        it, each variable of it within `max_change`.
+        it, each variable of it within `max_change`. Where the simplex method fails, the interior
+        point method is tried.
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
@@ -175,6 +179,7 @@ class RateProgram:
         below, equal = self._rows(aim == _RATE)
         demands = self.constraints.demands / self.sizes / self.unit
         right, upper = np.append(np.zeros(count), demands), np.zeros(below.shape[0])
+        # bounds of the changes up and down, at most 1e6 units for numerical range
         steps = np.full(count, np.inf) if aim == _RATE else np.minimum(self.steps, 1e6)
         highest = np.concatenate([np.full(count, np.inf), steps, steps, [peak]])
         lowest = np.concatenate([np.full(count, -np.inf), np.zeros(2 * count + 1)])
@@ -276,7 +281,7 @@ def optimum_with_rate_limit(
     program, peak, change = _refined(constraints, unlimited, start, rate, steps)
     values = program.minimum_motion(peak * (1.0 + _RELATIVE_CHANGE)) if np.isfinite(peak) else None
     if values is None:
-        sufficient = 1.001 * program.minimum_rate()
+        sufficient = 1.001 * program.minimum_rate()  # as the smallest one takes an endless ramp
         raise InputError(
             "rate_limit is too small for any deflection to survive this wind; got"
             f" {np.degrees(rate):.4g} deg/s, and about {np.degrees(sufficient):.4g} deg/s"
@@ -367,6 +372,7 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
     full = np.abs(np.diff(values)) > program.steps - distance
     flat = at_peak[:-1] & at_peak[1:] & (values[:-1] * values[1:] > 0.0)
     decays = program.constraints.decays[:, np.newaxis]
+    # weight of a change of the deflection in each interval, by the prices of the conditions
     worth = np.abs(prices) @ np.exp(-decays * nodes[:-1]) * np.diff(nodes)
     loose = np.flatnonzero(~(flat | full) & (worth > _RELATIVE_CHANGE * worth.max()))
     loose = loose[np.argsort(-worth[loose])[:_MAX_SPLIT_INTERVALS]]

@@ -43,7 +43,10 @@ def switch_time(
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
 
     def excess(t: float) -> float:
-        """Return the difference of the two sides at `t` [s]; only exact terms cancel."""
+        """Return the difference of the two sides at `t` [s]; only exact terms cancel.
+
+        Each 1 - 2 E + F is the sum of a constant and a term that moves with `t`, see `_share`.
+        """
         (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
         return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
 
@@ -51,6 +54,7 @@ def switch_time(
     at_start, at_end = excess(0.0), excess(last)
     if at_start == 0.0 or at_start * at_end >= 0.0:
         return np.inf
+    # `roots_between` finds zeros of functions that rise
     rising = lambda t, _: np.array([np.sign(at_end) * excess(float(t[0]))])  # noqa: E731
     return float(roots_between(np.zeros(1), np.array([last]), rising)[0])
 
@@ -58,7 +62,9 @@ def switch_time(
 def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
     """Return 1 - 2 E + F of eq (C5) as a constant and a term that moves with the switch.
 
-    `pole`: p [1/s]. `t`: switch time [s]. `horizon`: H [s]. Early switches count from zero.
+    E = e^(-p t) and F = e^(-p H). `pole`: p [1/s]. `t`: switch time [s]. `horizon`: H [s]. For an
+    early switch both terms are differences from t = 0 and H = 0, e^(-p H) - 1 and 2 (1 - e^(-p t)),
+    without cancellation.
     """
     if pole * t < 0.5:
         return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
@@ -68,7 +74,8 @@ def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
 def switch_variable(y: float, ratio: float) -> float:
     """Return x = e^(-beta2 t_s) in [0, 1], t_s being the switch time, the solution of eq (C6).
 
-    `y`: beta1 D1/(beta2 D2), of any sign and size. `ratio`: r = beta1/beta2, between 0 and 1.
+    `y`: beta1 D1/(beta2 D2), of any sign and size, of slow pole beta1, fast pole beta2 [1/s] and
+    demands D1 and D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, between 0 and 1.
 
     2 x^r - 2 x y = 1 - y. At y = 1 it is x = 0: the switch comes never.
 
@@ -86,7 +93,8 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
 
         x = (y - 1 + 2^(1 - r))/(2 y)
 
-    `y`: beta1 D1/(beta2 D2), positive. `ratio`: r = beta1/beta2, slow pole over fast, below 1. It
+    `y`: beta1 D1/(beta2 D2), positive, of slow pole beta1, fast pole beta2 [1/s] and demands D1 and
+    D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, slow pole over fast, below 1. It
     follows from one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too small. For y
     -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1). `InputError` for values outside.
     """
@@ -102,6 +110,7 @@ def longest_single_pole_duration(
 
         y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
 
+    y is the peak that the slow pole beta1 requires by itself over that of the fast pole beta2.
     Up to there the fast pole alone decides the minimum peak, nearly. The print omits the ratio of
     the K1_i = (beta_i + b2)/(beta_i + b1). y rises with the duration from K1_ratio beta1/beta2 to
     K1_ratio beta2/beta1; NaN is returned where it is never 1.
