@@ -67,9 +67,13 @@ def standard_atmosphere(altitude: ArrayLike) -> Air:
 
 
 def air_at(altitude: FloatArray) -> Air:
-    """Return the air at geometric altitudes [m]; the ends of the range are continued."""
+    """Return the air at geometric altitudes [m], in their shape.
+
+    The outermost layers are continued beyond -5 and 86 km by `_CONTINUATION`; beyond that the air
+    is constant.
+    """
     altitude = np.clip(altitude, LOWEST - _CONTINUATION, HIGHEST + _CONTINUATION)
-    height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
+    height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)  # geopotential
     temperatures, pressures = _bases()
     layer = np.clip(np.searchsorted(_BASES, height, side="right") - 1, 0, _BASES.size - 1)
     base, lapse, above = temperatures[layer], _LAPSES[layer], height - _BASES[layer]
@@ -106,20 +110,20 @@ def speed_of_sound(air: Air) -> FloatArray:
 def density_at(altitude: float) -> float:
     """Return the density [kg/m^3] of `air_at` at one geometric altitude [m].
 
-    It is plain arithmetic, for every step of a flight.
+    It is plain arithmetic, for every step of a flight; layers are by geopotential height.
     """
     altitude = min(max(altitude, LOWEST - _CONTINUATION), HIGHEST + _CONTINUATION)
     height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
     bottom, base, pressure, lapse = _layers()[max(bisect_right(_BASES, height) - 1, 0)]
     above = height - bottom
     ratio = lapse * above / base
-    mean = log1p(ratio) / ratio if ratio else 1.0
+    mean = log1p(ratio) / ratio if ratio else 1.0  # of base/T over the height above the bottom
     pressure *= exp(-STANDARD_GRAVITY * above / (_GAS_CONSTANT * base) * mean)
     return pressure / (_GAS_CONSTANT * (base + lapse * above))
 
 
 def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
-    """Return ln(p_bottom/p) within a layer: the integral of g/(R T) over height.
+    """Return ln(p_bottom/p) of pressures within a layer: the integral of g/(R T) over height.
 
     `base`: temperature [K] at the bottom. `lapse`: its slope [K/m]. `above`: height above it [m].
     """

@@ -43,7 +43,8 @@ class SoundingSpeeds:
     @property
     def pressure(self) -> FloatArray:
         """Dynamic pressure encountered over the nominal one at the times, ``(n,)``."""
-        return wind_angles.wind_triangle(self.path, self.wind["pitch"], self.wind["yaw"])[2]
+        _, _, ratio = wind_angles.wind_triangle(self.path, self.wind["pitch"], self.wind["yaw"])
+        return ratio
 
     def encountered(
         self, plane: str, angle: FloatArray, times: FloatArray
@@ -59,11 +60,14 @@ class SoundingSpeeds:
             {k: np.interp(times, self.time, speed, 0.0, 0.0) for k, speed in speeds.items()}
             for speeds in (self.bias, self.wind)
         )
+        # eq (B1e): sin(angle) = (wind speed/speed of the vehicle) sin(path), in yaw without the
+        # path
         speed = np.sin(angle) / (np.sin(path) if plane == "pitch" else 1.0)
         wind[plane] = bias[plane] + speed
         *angles, ratio = wind_angles.wind_triangle(path, wind["pitch"], wind["yaw"])
         nominal = wind_angles.wind_triangle(path, bias["pitch"], bias["yaw"])
         k = PLANES.index(plane)
+        # the flight path is biased for the mean wind, which makes no angle of attack
         return angles[k] - nominal[k], ratio
 
 
@@ -156,7 +160,9 @@ class MeasuredWind:
         """Return the wind angle [rad] around a vehicle's time, with the gust, in flight time.
 
         `opposite`: size [rad] up to which angles of the sign opposite to the largest are kept: zero
-        for a wind of one sign, infinite for all of it.
+        for a wind of one sign, infinite for all of it. The middle of the gust is at the time, and
+        its sign is that of the largest angle; a calm has none. `NotKnownError` where wind and gust
+        together are beyond linear aerodynamics.
         """
         time = _time_of(vehicle)
         times, angles = self.samples(vehicle)
@@ -223,7 +229,7 @@ class MeasuredPlanes:
         """Return the unit vector, by plane, of the largest wind around a vehicle's time."""
         cut = {plane: component.samples(vehicle) for plane, component in self.parts.items()}
         times = np.unique(np.concatenate([time for time, _ in cut.values()]))
-        angles = {
+        angles = {  # of a window without samples nothing is known, and the plane does not count
             plane: np.interp(times, *component)
             for plane, component in cut.items()
             if component[0].size
@@ -302,6 +308,7 @@ def fly_through(
         k: wind_angles_along(schedule, unbiased.height, across[k], k, wind_angles.MAX_LINEAR_ANGLE)
         for k in planes
     }
+    # the interval of flight times that is known in all planes
     first, last = (f(time[k] for time, _ in angles.values()) for f, k in ((max, 0), (min, -1)))
     largest = max(float(np.abs(angle).max()) for _, angle in angles.values())
     winds = {
@@ -363,7 +370,7 @@ def _beyond_linear(
     low, high = np.interp([first, last], schedule.time, schedule.height)
     bottom = max(float(profile.height[0]), float(schedule.height[0]))
     top = min(float(profile.height[-1]), float(schedule.height[-1]))
-    slack = 1e-9 * (top - bottom)
+    slack = 1e-9 * (top - bottom)  # rounding of heights
     where = [
         f"{word} {height / 1e3:.3g} km"
         for word, height, out in (

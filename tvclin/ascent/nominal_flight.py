@@ -131,7 +131,7 @@ class NominalFlight:
         `t`: times of flight [s]; `InputError` for times outside the span.
         """
         times = errors.finite("t", t, "s")
-        slack = 1e-9 * (self.stop - self.start)
+        slack = 1e-9 * (self.stop - self.start)  # rounding of times at the ends
         if np.any((times < self.start - slack) | (times > self.stop + slack)):
             raise errors.InputError(
                 f"t must be between {self.start:.6g} and {self.stop:.6g} s, the span of the"
@@ -148,22 +148,26 @@ class NominalFlight:
     @cached_property
     def speed(self) -> FloatArray:
         """Velocity [m/s] at `time`."""
-        return self.states(self.time)[0]
+        speed, _, _ = self.states(self.time)
+        return np.asarray(speed)
 
     @cached_property
     def flight_path_angle(self) -> FloatArray:
         """Flight path angle [rad] at `time`."""
-        return self.states(self.time)[1]
+        _, path, _ = self.states(self.time)
+        return np.asarray(path)
 
     @cached_property
     def height(self) -> FloatArray:
         """Altitude [m] at `time`."""
-        return self.states(self.time)[2]
+        _, _, altitude = self.states(self.time)
+        return np.asarray(altitude)
 
     def states_within(self, t: Any) -> FloatArray:
         """Return `states` at a time `t` [s], ``(3,)``, or at times ``(n,)``, ``(3, n)``.
 
-        The times are not checked to lie in the span.
+        They are velocity [m/s], flight path angle [rad] and altitude [m]. The times are not checked
+        to lie in the span.
         """
         early, late = self._solutions
         if np.ndim(t) == 0:
@@ -194,15 +198,20 @@ class NominalFlight:
 
             delta_n = -(I Theta_n'' + M_q Theta_n')/(T l_c)
 
-        The report has no damping M_q; the nose comes down in a gravity turn, which it resists.
+        Theta_n is the attitude of the nominal flight, its path angle; I the moment of inertia, T
+        l_c the control force per deflection times the control arm. The report has no damping M_q;
+        the nose comes down in a gravity turn, which it resists.
         """
         speed, path, altitude = self.states(t)
-        rates = self.rates(np.asarray(t, dtype=float), np.stack([speed, path, altitude]))
-        bend = STANDARD_GRAVITY * (
-            np.sin(path) * rates[1] / speed + np.cos(path) * rates[0] / speed**2
+        speed_rate, path_rate, _ = self.rates(
+            np.asarray(t, dtype=float), np.stack([speed, path, altitude])
+        )
+        # the derivative of gamma' = -g cos(gamma)/V
+        path_acceleration = STANDARD_GRAVITY * (
+            np.sin(path) * path_rate / speed + np.cos(path) * speed_rate / speed**2
         )
         v = self.vehicle
-        moment = v.moment_of_inertia * bend + v.pitch_damping * rates[1]
+        moment = v.moment_of_inertia * path_acceleration + v.pitch_damping * path_rate
         return np.asarray(-moment / (v.control_force * v.control_arm))
 
     def vehicle_at(self, t: ArrayLike) -> Vehicle:
@@ -225,7 +234,7 @@ class NominalFlight:
         """
         speed, path, altitude = states
         drag = self.vehicle.axial_force * self.pressure_ratio(speed, altitude)
-        push = (self.vehicle.thrust - drag) / self.mass(t)
+        push = (self.vehicle.thrust - drag) / self.mass(t)  # acceleration along the path
         return np.stack(
             [
                 push - STANDARD_GRAVITY * np.sin(path),

@@ -184,10 +184,12 @@ class FlightSchedule(Shown):
     def plants(self, time: ArrayLike, model: str, plane: str) -> Plant:
         """Return the plants at any times [s], a batch of their shape.
 
-        `model`: name of the model, such as "drift-exact". `plane`: pitch or yaw. Without a moment
-        of the air the trim gain B is the smallest possible.
+        `model`: name of the model, such as "drift-exact". `plane`: pitch or yaw. B, the ratio of
+        trim deflection to angle of attack, is at least `_MIN_B` in size: where the air has a
+        smaller moment, its arm is made longer, and a normal force of nearly zero larger.
         """
         v = self.clamped_at(time).rigid
+        # B = N l_a/(T l_c): normal force slope and aerodynamic arm, control force and control arm
         smallest = _MIN_B * np.asarray(v.control_force)
         force = np.maximum(v.normal_force_slope, smallest)
         arm = np.asarray(v.aerodynamic_arm)
@@ -200,9 +202,14 @@ class FlightSchedule(Shown):
 
     @property
     def one_sign_intervals(self) -> tuple[FlightSchedule, ...]:
-        """Intervals of the flight, in each of which the aerodynamic arm has one sign."""
+        """Intervals of the flight, in each of which the aerodynamic arm has one sign.
+
+        The arm [m], of the normal force about the centre of gravity, is linear between the times;
+        times at which it is zero within rounding do not count.
+        """
         arm = np.broadcast_to(np.asarray(self.vehicle.aerodynamic_arm), self.times.shape)
         times, signed = self.times, np.flatnonzero(np.abs(arm) > _MIN_B * np.abs(arm).max())
+        # rows after which the arm has the other sign
         at = signed[:-1][arm[signed[:-1]] * arm[signed[1:]] < 0.0]
         zeros = times[at] + arm[at] / (arm[at] - arm[at + 1]) * (times[at + 1] - times[at])
         ends = [None, *zeros.tolist(), None]
@@ -335,7 +342,8 @@ class FlightSchedule(Shown):
             for end, step in ((flight.start, -width), (flight.stop, width))
         )
         times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
-        return cls(flight.vehicle_at(times), flight.deflection(times), flight.states(times)[2])
+        _, _, altitude = flight.states(times)
+        return cls(flight.vehicle_at(times), flight.deflection(times), altitude)
 
 
 def _check_structure(structure: StructureSchedule | None, times: FloatArray) -> None:

@@ -219,7 +219,7 @@ def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode 
         for key, cell in row.items()
     }
     time = values.pop("time_s")
-    masses = [
+    masses = [  # the modal mass of a mode, or the mass of a tank, as far as the row has one
         mass
         for mass, table in _TABLES.items()
         if any(table.keys.get(key, ("",))[0] == mass for key in values)
@@ -250,12 +250,13 @@ def _align_signs(elements: list[Any]) -> list[int]:
     shapes = [_shape_of(mode) for mode in elements]
     if len({shape.size for shape in shapes}) > 1:
         raise InputError("a mode must have displacements at the same tanks at all times")
-    size = np.abs(shapes).max(axis=0)
+    size = np.abs(shapes).max(axis=0)  # largest size of each number over the flight
     size[size == 0.0] = 1.0
     reversed_rows = []
     for k in range(1, len(elements)):
         if np.sum(_shape_of(elements[k - 1]) * shapes[k] / size**2) < 0.0:
             mode = elements[k]
+            # a mode with all displacements and slopes negative is the same mode
             changes: dict[str, Any] = {name: -getattr(mode, name) for name in _SHAPE}
             for name in ("tank_displacements", "tank_slopes"):
                 changes[name] = tuple(-value for value in getattr(mode, name))
@@ -299,7 +300,9 @@ def structures_at(
 def _interpolated(values: Sequence[Any], lines: TableLines) -> Any:
     """Return a record, tuple, array or number, interpolated over the times of several schedules.
 
-    `values`: one for each schedule, all of one type. `lines`: the schedule and time of each result.
+    Records and tuples are interpolated field by field; filters, texts and None do not change over
+    the flight, and are those of the first schedule. `values`: one for each schedule, all of one
+    type. `lines`: the schedule and time of each result.
     """
     first = values[0]
     if isinstance(first, tuple):

@@ -51,7 +51,7 @@ class WindAlong:
         """Return the dynamic pressure over the nominal one at times of flight [s], ``(n,)``."""
         if self.encountered is None:
             return np.ones(times.shape)
-        ratio = self.encountered.at(np.reshape(times, (1, -1)))[1]
+        _, ratio = self.encountered.at(np.reshape(times, (1, -1)))
         return np.reshape(ratio, times.shape)
 
     @property
@@ -114,7 +114,7 @@ def wind_along(
         raise InputError("gust_time is that of the gust of a sounding: add a pulse to a history")
     if sign == wind_angles.FROZEN or not np.any(np.isfinite(wind.onset)):
         return WindAlong(wind)
-    in_pitch = 0.0
+    in_pitch = 0.0  # sign by which the largest angle becomes that of the direction
     if plane == "pitch":
         in_pitch = wind_angles.SIGNS[sign or "head"] * float(np.sign(wind.peak))
     directions = np.asarray(in_pitch), np.asarray(float(plane != "pitch"))
@@ -172,14 +172,16 @@ def sounding_along(
         return WindAlong(history, known=known)
     encountered = FlightWind(history, plane, speeds)
     knots = history.knots
+    # linear samples of what the encountered angle has more than the nominal one
     parts = np.maximum(np.ceil(np.diff(knots) / _MAX_INTERVAL_S), 1.0).astype(int)
     between = [
         np.linspace(a, b, n, endpoint=False)
         for a, b, n in zip(knots[:-1], knots[1:], parts.tolist(), strict=True)
     ]
     times = np.unique(np.concatenate([*between, knots[-1:]]))
-    inside = np.minimum(times, np.nextafter(knots[-1], -np.inf))
-    change = encountered.at(inside[np.newaxis])[0][0] - history(inside)
+    inside = np.minimum(times, np.nextafter(knots[-1], -np.inf))  # zero from the last knot on
+    angle, _ = encountered.at(inside[np.newaxis])
+    change = angle[0] - history(inside)
     return WindAlong(history + SampledWind(time=times, angle=change), encountered, known)
 
 
@@ -237,7 +239,8 @@ def planes_along(
     if sign == wind_angles.FROZEN:
         return {plane: WindAlong(history) for plane, history in histories.items()}
     encountered = {plane: EncounteredPlanes(plane, wind, flight) for plane in PLANES}
-    if np.any(np.isnan(encountered["pitch"].at(wind.pitch.probe_times())[1])):
+    _, ratio = encountered["pitch"].at(wind.pitch.probe_times())
+    if np.any(np.isnan(ratio)):
         raise InputError("no horizontal wind turns the flight as far as this wind in pitch")
     return {plane: WindAlong(histories[plane], encountered[plane]) for plane in PLANES}
 

@@ -72,7 +72,7 @@ class History(Record, ABC):
         return values.reshape((*self.batch, *times.shape))
 
     def laplace(self, s: ArrayLike) -> AnyArray:
-        """Return the Laplace transform, the integral of e^(-s t) times the history.
+        """Return the Laplace transform, the integral of e^(-s t) times the history over time.
 
         Parameters
         ----------
@@ -160,7 +160,10 @@ class History(Record, ABC):
         return Piecewise(Pieces(self.knots + dt, self.pieces.coefficients, self.pieces.rates))
 
     def before(self, time: ArrayLike) -> History:
-        """Return the history up to `time` [s], zero from there on; whole for infinite `time`."""
+        """Return the history up to `time` [s], zero from there on; whole for infinite `time`.
+
+        `time` broadcasts with ``batch``; one before the first knot gives zero throughout.
+        """
         edge = np.maximum(real("time", time, "s"), self.knots[..., 0])
         return Piecewise(algebra.before(self.pieces, edge))
 
@@ -223,6 +226,8 @@ class History(Record, ABC):
     @cached_property
     def final_value(self) -> FloatArray:
         """Limit for t to infinity, shape ``batch``; NaN where it does not exist."""
+        # coefficients of the last piece by rate and power of time, ``(..., rates, degree + 1)``; a
+        # term c u^k e^(rate u) stays if its rate is zero or positive, unless it is the constant
         last, rates = self.pieces.coefficients[..., -1, :, :], self.pieces.rates
         constant = np.where(rates == 0.0, last[..., 0], 0.0).sum(axis=-1)
         endless = (np.real(rates) >= 0.0)[..., np.newaxis] & (last != 0.0)
@@ -258,7 +263,7 @@ class History(Record, ABC):
             return np.real(algebra.value(self.pieces, self.probe_times()))
         p = self.pieces
         c = np.real(p.coefficients)
-        c = c[..., 0, :] if c.shape[-2] == 1 else c.sum(axis=-2)
+        c = c[..., 0, :] if c.shape[-2] == 1 else c.sum(axis=-2)  # all rates are zero: value, slope
         start = np.broadcast_to(c[..., 0], (*p.batch, p.knots.shape[-1]))
         if p.degree == 0:
             return start
@@ -294,7 +299,11 @@ class History(Record, ABC):
         return np.concatenate([flat, self.knots[..., -1:]], axis=-1)
 
     def _curve_probe_times(self) -> FloatArray:
-        """Return sample times [s] of a curved history, spaced by each rate."""
+        """Return sample times [s] of a curved history, rising, ``(..., m)``.
+
+        They are `probe_times`, and from each knot on even times over twenty time constants of each
+        rate.
+        """
         count = self.knots.shape[-1]
         steps = np.linspace(0.0, 20.0, int(np.clip(_MAX_PROBES // count, 8, 128)))
         rates = np.abs(self.pieces.rates)[..., np.newaxis]
@@ -330,14 +339,16 @@ class History(Record, ABC):
     def _refined_peak(self, times: FloatArray, at: IndexArray, largest: FloatArray) -> FloatArray:
         """Return the peak [rad], shape ``batch``, refined around the largest of several samples.
 
-        `times`: sample times [s], ``(..., m)``. `at`: index of the sample of largest size,
-        ``(..., 1)``. `largest`: its value [rad], shape ``batch``.
+        A peak inside is searched between the samples on both sides of the largest, if that is
+        larger than both. `times`: sample times [s], ``(..., m)``. `at`: index of the sample of
+        largest size, ``(..., 1)``. `largest`: its value [rad], shape ``batch``.
         """
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
         peak_time = np.take_along_axis(times, at, axis=-1)
         # Rates that are alike repeat a time.
         tolerance = _RELATIVE_ROUNDING * (times[..., -1:] - times[..., :1])
+        # indices of the next distinct sample on either side of the largest
         before = np.sum(times < peak_time - tolerance, axis=-1, keepdims=True) - 1
         after = np.sum(times <= peak_time + tolerance, axis=-1, keepdims=True)
         at = np.concatenate([np.maximum(before, 0), at, np.minimum(after, last)], axis=-1)
@@ -391,6 +402,9 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
 
         num/den = c0 + c1/(s - p1) + c2/((s - p1)(s - p2)) + ...
 
+    with the poles p and constants c, which repeated divisions by s - p leave as remainders; each
+    lag 1/(s - p) acts on the response of the one before.
+
     Unlike partial fractions it needs no distinct poles. `pieces`: of the history. `num`, `den`:
     coefficients, highest power first, ``(..., m)``, ``(..., n)`` with m <= n.
     """
@@ -399,7 +413,7 @@ def _cascade(pieces: Pieces, num: FloatArray, den: FloatArray) -> Piecewise:
     quotient = (
         np.pad(num, [(0, 0)] * (num.ndim - 1) + [(order + 1 - num.shape[-1], 0)]) / den[..., :1]
     )
-    gains = []
+    gains = []  # c of the last lag first
     for k in reversed(range(order)):
         quotient, remainder = polynomials.divide(quotient, poles[..., k])
         gains.append(remainder)

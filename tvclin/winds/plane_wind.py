@@ -193,7 +193,10 @@ class PlaneWind:
 
     @cached_property
     def unidirectional(self) -> BoolArray:
-        """Whether the wind vector stays on one line, shape ``batch``."""
+        """Whether the wind vector stays on one line, shape ``batch``.
+
+        It does if all terms of pitch and yaw have the same ratio, that of `direction`.
+        """
         pitch, yaw = self._terms
         line = unit_vector(self.direction)[..., np.newaxis]
         across = np.abs(yaw * np.real(line) - pitch * np.imag(line))
@@ -215,7 +218,10 @@ class PlaneWind:
 
     @cached_property
     def _terms(self) -> tuple[AnyArray, AnyArray]:
-        """Coefficients of pitch and yaw on common knots and rates, ``(..., m)`` each."""
+        """Coefficients of pitch and yaw on common knots and rates, ``(..., m)`` each.
+
+        Adding zero times the other wind gives each the knots and rates of both.
+        """
         pitch, yaw = self.pitch.pieces, self.yaw.pieces
         zero = [(0.0 * wind).pieces for wind in (self.pitch, self.yaw)]
         components = algebra.add(pitch, zero[1]), algebra.add(zero[0], yaw)
@@ -236,6 +242,7 @@ def _veering_component(
     `shape`: shape of the batch to which all three broadcast.
     """
     p = algebra.spread(wind.pieces, shape)
+    # the cosine is half the sum of two exponentials; of a rate of zero one constant term remains
     rates = np.broadcast_to(rates, shape)[..., np.newaxis]
     phase = np.broadcast_to(direction - rates[..., 0] * wind.onset, shape)[..., np.newaxis]
     constant = np.where(rates == 0.0, np.real(unit_vector(phase)), 0.0)
@@ -254,7 +261,8 @@ def _veering_component(
 def _squared(wind: History) -> Piecewise:
     """Return the square of a wind [rad^2], exact: all products of two terms of a piece.
 
-    Two terms c u^i e^(a u) and d u^k e^(b u) make one of power i + k and rate a + b.
+    Two terms c u^i e^(a u) and d u^k e^(b u), u being the time from the begin of the piece, make
+    one of power i + k and rate a + b.
     """
     p = wind.pieces
     c, order = p.coefficients, p.degree + 1

@@ -114,7 +114,7 @@ class Soundings:
         if offsets[0] != 0 or offsets[-1] != size or np.any(np.diff(offsets) < 0):
             raise errors.InputError(f"offsets must rise from 0 to {size}, the number of levels")
         ascending = np.diff(self.height) > 0.0
-        ascending[offsets[(offsets > 0) & (offsets < size)] - 1] = True
+        ascending[offsets[(offsets > 0) & (offsets < size)] - 1] = True  # from one to the next
         if not np.all(ascending):
             position = int(np.argmin(ascending)) + 1
             raise errors.InputError(
@@ -158,7 +158,7 @@ class Soundings:
             ) from None
 
     def mean(self) -> WindProfile:
-        """Return the mean wind, at every 100 m that at least half of the usable soundings reach.
+        """Return the mean wind of all usable soundings, at every 100 m that half of them reach.
 
         `InputError` where that is so at fewer than two heights.
         """
@@ -168,6 +168,7 @@ class Soundings:
         height = _MEAN_HEIGHT_STEP * np.arange(
             np.ceil(bottom / _MEAN_HEIGHT_STEP), np.floor(top / _MEAN_HEIGHT_STEP) + 1.0
         )
+        # sums of the winds towards east and north [m/s], and numbers of soundings, at the heights
         total, count = np.zeros((2, height.size)), np.zeros(height.size)
         for profile in profiles:
             reached = (height >= profile.height[0]) & (height <= profile.height[-1])
@@ -348,7 +349,11 @@ class SoundingFilter:
         return cls(frozenset(chosen), (span[0], span[1]), name, offset)
 
     def accepts(self, station: str | None, time: Any) -> bool:
-        """Return whether a sounding of a station and a time [UTC] passes the filter."""
+        """Return whether a sounding passes the filter of station, months and years.
+
+        `station`: its station; None, unknown, passes. `time`: its time [UTC]; months and years are
+        those of the local time.
+        """
         if station is not None and self.station is not None and station != self.station:
             return False
         if not self.months and self.years is None:
@@ -399,6 +404,7 @@ class SoundingCollection:
                 " name one with station"
             )
         if not self.pieces:
+            # so that an empty collection makes empty arrays
             self.pieces.append(([], [], [], [], np.empty(0, "datetime64[m]")))
         height, east, north, counts, times = (
             np.concatenate(column) for column in zip(*self.pieces, strict=True)

@@ -119,7 +119,7 @@ def wind_components(speed: FloatArray, direction: FloatArray) -> tuple[FloatArra
 
 def geometric(height: FloatArray) -> FloatArray:
     """Return geometric heights [m] from geopotential heights [m]."""
-    return EARTH_RADIUS * height / (EARTH_RADIUS - height)
+    return EARTH_RADIUS * height / (EARTH_RADIUS - height)  # gravity falls as 1/radius^2
 
 
 def profile_of(levels: Levels) -> WindProfile:
@@ -156,10 +156,11 @@ def profile_of(levels: Levels) -> WindProfile:
 def _ascending_levels(levels: Levels, index: IndexArray) -> tuple[IndexArray, list[str]]:
     """Return the indices of levels that lie above all before them, and notes on the others.
 
-    `index`: indices of the levels that count, ``(n,)``. `InputError` for descending heights, of
-    which a balloon may have some.
+    `index`: indices of the levels that count, ``(n,)``. `InputError` for descending heights, except
+    in the ascent of a balloon with at most half of its levels descending.
     """
     height = levels.height[index]
+    # the largest height before each level
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], height]))[:-1]
     repeated, descending = height == highest, height < highest
     if np.any(descending) and (not levels.balloon or 2 * np.sum(descending) > height.size):
@@ -183,7 +184,7 @@ def _gap_notes(height: FloatArray, windless: FloatArray) -> list[str]:
 
     `height`, `windless`: heights [m] of the levels with a wind, rising, and of those without.
     """
-    upper = np.searchsorted(height, windless)
+    upper = np.searchsorted(height, windless)  # index of the next level with a wind above
     bridged = np.unique(upper[(upper > 0) & (upper < height.size)])
     outside = int(np.sum((upper == 0) | (upper == height.size)))
     notes = []

@@ -84,8 +84,10 @@ def wind_angles_along(
         np.concatenate([heights[(heights > bottom) & (heights < top)], [bottom, top]])
     )
     times, wind_speed = np.interp(heights, path, time), np.interp(heights, height, wind)
+    # heights within rounding of each other have one time
     distinct = np.append(True, np.diff(times) > 0.0)
     times, wind_speed = times[distinct], wind_speed[distinct]
+    # a wind across the path is at right angles to it: the sine of eq (B1e) is one
     angle = np.pi / 2 if plane == "yaw" else np.interp(times, time, climb)
     flight_speed = np.interp(times, time, speed)
     sine = np.abs(wind_speed * np.sin(angle)) / flight_speed
@@ -108,7 +110,11 @@ def wind_angles_along(
 
 
 def longest_interval(times: FloatArray, good: BoolArray) -> slice:
-    """Return the slice of the longest interval of times [s] in which all elements are `good`."""
+    """Return the slice of the longest interval of times [s] in which all elements are `good`.
+
+    `times`, `good`: ``(n,)`` each. An empty slice if none is good.
+    """
+    # begins and ends of runs, one after the other: where `good` changes
     ends = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(int)))
     runs = [slice(a, b) for a, b in ends.reshape(-1, 2).tolist()]
     return max(runs, key=lambda run: times[run.stop - 1] - times[run.start], default=slice(0, 0))
@@ -218,8 +224,8 @@ class WindProfile(Record):
 
         `InputError` for a flight that is malformed or does not ascend.
         """
-        path = checked_flight(flight)[1]
-        gap = self.gaps_between(path[0], path[-1])
+        _, height, _, _ = checked_flight(flight)
+        gap = self.gaps_between(height[0], height[-1])
         if not gap:
             return [*self.notes]
         unknown = "in gaps of more than 2 km the wind is not known, and straight lines are shown"
@@ -417,7 +423,8 @@ class WindProfile(Record):
     def _integral(self, wind: FloatArray, height: FloatArray) -> FloatArray:
         """Return the integral [m^2/s] of a wind from the lowest level to heights [m], ``(k,)``.
 
-        `wind`: component at the levels [m/s], ``(n,)``.
+        `wind`: component at the levels [m/s], ``(n,)``, linear between them, so that the integral
+        is exact by trapezoids.
         """
         widths = np.diff(self.height)
         cumulative = np.concatenate([[0.0], np.cumsum(widths * (wind[1:] + wind[:-1]) / 2)])

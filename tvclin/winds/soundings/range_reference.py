@@ -71,7 +71,8 @@ class RangeReference:
     def speed(self, percentile: float) -> FloatArray:
         """Return the wind speed [m/s] at a percentile of soundings, ``(n,)``.
 
-        Each height has its own Pearson type III distribution with the mean, the standard deviation
+        `percentile`: above 0 and below 100. Each height has its own Pearson type III distribution
+        with the mean, the standard deviation
         and the skewness of the table, truncated at zero.
         """
         return np.maximum(
@@ -83,7 +84,8 @@ class RangeReference:
     def component(self, percentile: float, azimuth: float) -> FloatArray:
         """Return the wind component towards an azimuth [rad] at a percentile [m/s], ``(n,)``.
 
-        Each height has its own bivariate normal distribution.
+        Each height has its own bivariate normal distribution of the winds towards east and north,
+        whose component is normal. `percentile`: above 0 and below 100.
         """
         from scipy.special import ndtri  # late: import time
 
@@ -214,6 +216,7 @@ def _pearson_quantile(probability: float, skew: FloatArray) -> FloatArray:
     """
     from scipy.special import gammaincinv, ndtri  # late: import time
 
+    # a gamma distribution of the shape 4/skew^2, standardised, and mirrored for a negative skewness
     symmetric = np.abs(skew) < _MIN_SKEWNESS
     size = np.where(symmetric, 1.0, np.abs(skew))
     shape = 4.0 / size**2

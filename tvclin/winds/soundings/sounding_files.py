@@ -309,7 +309,7 @@ def _files(source: Any) -> list[Path]:
             raise errors.InputError(
                 f"{called(item)} does not exist; load it down from its archive first"
             )
-        inside = sorted(item.iterdir()) if item.is_dir() else [item]
+        inside = sorted(item.iterdir()) if item.is_dir() else [item]  # not those of its folders
         files += [file for file in inside if file.is_file() and not file.name.startswith(".")]
     if not files:
         raise errors.InputError(
@@ -458,7 +458,11 @@ class SoundingReading:
 
     @classmethod
     def of(cls, document: Mapping[str, Any], folder: Path) -> SoundingReading:
-        """Return the reading of the table [sounding] of a document; the bias is in its folder."""
+        """Return the reading of the table [sounding] of a document; without one the default.
+
+        `folder`: folder of the document, relative to which the table names the file of the bias,
+        the mean wind for which the flight path is biased.
+        """
         reading = READING_TABLE.made(document, lambda table: cls(**READING_TABLE.read(table)))
         if reading is None or reading.bias is None:
             return reading or cls()
@@ -476,7 +480,12 @@ class SoundingReading:
 
     @cached_property
     def mean_wind(self) -> WindProfile | None:
-        """The mean wind for which the flight path is biased."""
+        """Mean wind for which the flight path is biased, from the file `bias`; None without one.
+
+        Of a station file it is the mean of all soundings, or of those of `bias_month`; another file
+        is a sounding itself. `InputError` as the readers, and for a month of a file that is none of
+        a station.
+        """
         if self.bias is None:
             return None
         file = Path(self.bias)

@@ -189,7 +189,7 @@ def synthetic_profile(
         )
     peak = float(np.interp(centre, z, w))
     layer, drop = np.append(0.0, layer), np.append(0.0, drop)
-    # the last layer, where the table does not reach zero
+    # distance from the peak at which the wind is calm; the last layer where the table ends before
     distance_to_calm = np.interp(peak, drop, layer)
     distances = np.append(layer[layer < distance_to_calm], distance_to_calm)
     speeds = np.maximum(peak - np.interp(distances, layer, drop), 0.0)
@@ -247,7 +247,8 @@ def _synthetic_levels(text: Text) -> Levels:
 def _values_with_azimuth(table: FileTable, row: dict[str, Any]) -> dict[str, Any]:
     """Return the values of a table [SI] by name, with the azimuth towards which it blows [rad].
 
-    `table`: specification of the keys. `row`: the table in the file, from keys to values.
+    `InputError` for unknown, missing and repeated quantities. `table`: specification of the keys.
+    `row`: the table in the file, from keys to values.
     """
     check_known(f"key in {table.heading}", row, table.keys)
     values: dict[str, Any] = {}
@@ -259,4 +260,5 @@ def _values_with_azimuth(table: FileTable, row: dict[str, Any]) -> dict[str, Any
     missing = [table.spelled(name) for name in table.quantities if name not in values]
     if missing:
         raise errors.InputError(f"{table.heading} needs {', '.join(missing)}")
-    return {"azimuth": values.pop("direction") - np.pi, **values}
+    azimuth = values.pop("direction") - np.pi  # files give where the wind blows from
+    return {"azimuth": azimuth, **values}
