@@ -104,7 +104,7 @@ def head_wind_boundary(
     """
     if need is None or not counts_head(need):
         return None
-    with suppress(InputError):
+    with suppress(InputError):  # the dynamic pressure in the wind is not known
         denser = at_peak_pressure(case, need)
         return autopilot_boundary(denser, denser.plant, autopilot, plane_ratio)
     return None

@@ -185,7 +185,7 @@ class CaseRequirement:
         """
         if not self.encountered_unknown or isinstance(self.vehicle, LinearVehicle):
             return ""
-        if not self.nominal_deflection:
+        if not self.nominal_deflection:  # zero at any dynamic pressure
             return ""
         reason = self.encountered_unknown
         return f"the requirement at the pressure encountered is not known: {reason}"
@@ -197,7 +197,7 @@ class CaseRequirement:
         return self.required_deflection / nominal if nominal else 1.0
 
     def required_at(self, size: float) -> float:
-        """Return the required deflection [rad] in so many times this wind.
+        """Return the required deflection [rad] in `size` times this wind.
 
         Infinite for a wind that turns the path so far that it has no dynamic pressure. `InputError`
         for a size that is not between 1e-9 and 1e9.
@@ -246,6 +246,7 @@ class CaseRequirement:
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
         if self.beyond_linear:
+            # the largest wind of this shape for which anything is known
             size = MAX_LINEAR_ANGLE / self.wind_angle
             linear = replace(self.case, wind=self.placed.scaled(size))
             judged = case_requirement(linear, self.dead_band).judged
@@ -378,6 +379,7 @@ def survived_size(
 ) -> float:
     """Return the factor on a wind at which the required deflection is the limit [rad].
 
+    The requirement is taken to rise with the factor; the factor returned is survived.
     `required`: required deflection [rad] of the wind itself; `need`: function that returns it of a
     factor. `largest`: factor beyond which nothing is known, at least one; returned where it is
     survived.
@@ -388,9 +390,10 @@ def survived_size(
     def excess(x: float) -> float:
         """Return log(requirement/limit) at the logarithm of a factor on the wind."""
         ratio = (need(float(np.exp(x))) if x else required) / limit
+        # zero and infinite requirements have a sign alone
         return float(np.log(ratio)) if 0.0 < ratio < np.inf else np.copysign(1.0, ratio - 1.0)
 
-    first = -excess(0.0)
+    first = -excess(0.0)  # logarithm of the factor if the requirement were in proportion
     if abs(first) < _SIZE_TOLERANCE:
         return 1.0
     most = float(np.log(largest))

@@ -194,7 +194,8 @@ def undamped(
     if float(wind.end - wind.onset) * float(c.pole) <= _MAX_DURATION_TIME_CONSTANTS:
         return
     slower = (1.0 - _POLE_REDUCTION) * float(c.pole)
-    damped = c.replace(damping=float(c.mu_alpha) / slower - slower)  # p (p + d) = mu_alpha
+    # the pole p of a vehicle with the damping d has p (p + d) = mu_alpha
+    damped = c.replace(damping=float(c.mu_alpha) / slower - slower)
     needed = required_deflection(Plant(damped, plant.model), wind, dead_band)
     damped_limit, undamped_limit = (abs(float(r.deflection)) for r in (needed, required))
     if damped_limit > undamped_limit * (1.0 + ROUNDING):
@@ -459,7 +460,7 @@ class Study(CaseRequirement, Shown):
 
         NaN in a wind beyond linear aerodynamics.
         """
-        unknown = np.nan if self.beyond_linear else 1.0
+        unknown = np.nan if self.beyond_linear else 1.0  # factor on the requirements
         return {
             name: unknown
             * np.abs(
@@ -552,7 +553,10 @@ def _unknown(needed: dict[str, Any]) -> dict[str, Any]:
 
 
 def _optimum(plant: Plant, wind: History) -> Optimum:
-    """Return the optimum of the wind: the control acts from t = 0 on, or from an earlier onset."""
+    """Return the `Optimum` of a wind, the deflection of minimum peak when the wind is known.
+
+    `wind`: wind angle [rad]. The control acts from t = 0 on, or from an earlier onset.
+    """
     return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
 
 

@@ -104,6 +104,7 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
     mach = sheet.numbers(_mach_of(sheet), "number").values
     alpha = sheet.numbers(angle, "angle", {"": DEGREE}).values
     force = sheet.numbers(heading, "number").values
+    # smallest angle of attack above zero at each Mach number, and whether a row has it
     smallest = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
     first = np.array([alpha[i] == smallest.get(mach[i]) for i in range(mach.size)])
     if not np.any(first):
@@ -228,8 +229,9 @@ def powered(
 ) -> Flight:
     """Return the rows of one burn; `InputError` where a number of them is missing.
 
-    `start`, `stop`: earliest and latest time [s]. `free`: whether each row is in free flight;
-    every row without it.
+    It ends before the first row with less than `_BURNING` of the largest thrust. `start`, `stop`:
+    earliest and latest time [s]. `free`: whether each row is in free flight, by its centre of
+    pressure; every row without it.
     """
     time, thrust = flight["time"], flight["thrust"]
     _check_times(flight)
@@ -411,7 +413,7 @@ def _check_masses(flight: Flight, weight: FloatArray) -> None:
 
     `weight`: weight [N] at each row of the flight, ``(n,)``.
     """
-    ratio = flight["thrust"] / weight
+    ratio = flight["thrust"] / weight  # at its best it must be that of a booster
     best = int(np.argmax(ratio))
     smallest, largest = _THRUST_OVER_WEIGHT
     if not smallest <= ratio[best] <= largest:
@@ -443,7 +445,7 @@ def _check_inertia(
     """
     errors.positive("moment_of_inertia", inertia, "kg m^2")
     size = np.abs(arm)
-    ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / size
+    ratio = np.sqrt(inertia * STANDARD_GRAVITY / weight) / size  # radius of gyration over the arm
     smallest, largest = _RADIUS_OVER_ARM
     flight.require(
         (ratio >= smallest) & (ratio <= largest),
@@ -631,7 +633,7 @@ def thinned_rows(
     """Return the indices of thinned rows, and the largest error of lines between them, relative.
 
     `time`, `values`: times [s] and columns, ``(n,)`` each. All rows up to a number of `largest`;
-    else the first and the last, and repeatedly the row of largest error.
+    else the first and the last, and repeatedly the row of largest error, to `_LINE_TOLERANCE`.
     """
     if time.size <= largest:
         return np.arange(time.size), 0.0

@@ -210,11 +210,12 @@ class Availability(Tabled):
             judged = ~np.isnan(upper)
             if not np.any(judged):
                 return np.full(fractions.shape, np.nan)
+            # fraction that flies, of the judged soundings, with each upper bound as the limit
             high, low = np.sort(upper[judged]), np.sort(lower[judged])
             flown = np.searchsorted(high, high, side="right")
             insufficient = low.size - np.searchsorted(low, high, side="right")
             fraction = flown / np.maximum(flown + insufficient, 1)
-            index = np.searchsorted(fraction, fractions * (1.0 - 1e-12))
+            index = np.searchsorted(fraction, fractions * (1.0 - 1e-12))  # but for rounding
             return np.append(high, np.inf)[np.minimum(index, high.size)]
 
         rows = zip(np.atleast_2d(self.lower), np.atleast_2d(self.upper), strict=True)
@@ -235,8 +236,8 @@ class Availability(Tabled):
             For another type than a profile.
         """
         errors.instance("profile", profile, WindProfile, "see read_sounding")
-        sounding = Soundings.from_profiles([profile], ["2000-01-01"])
-        limits = self.limit - self.persistence
+        sounding = Soundings.from_profiles([profile], ["2000-01-01"])  # its time does not count
+        limits = self.limit - self.persistence  # what is left for the wind of the balloon
         required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
         first, last = required.judged[0].tolist()
         verdicts = []
@@ -355,7 +356,7 @@ class Availability(Tabled):
         count as: 1 flown, 0 not flown; NaN keeps them out of the fraction.
         """
         times = self.soundings.times[which]
-        season = (12 * self.soundings.years + self.soundings.months)[which]
+        season = (12 * self.soundings.years + self.soundings.months)[which]  # each month by itself
         flown = np.nan_to_num(self._flies(limit), nan=unknown)
         rows = zip(np.atleast_2d(flown), np.atleast_2d(self.lower), strict=True)
         return self._plain(

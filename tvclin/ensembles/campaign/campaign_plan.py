@@ -188,6 +188,7 @@ def mode_factors(structure: Structure | None, values: Mapping[str, Any], number:
     `structure`: the modes, in whose order the factors are. `values`: factors by name, as in
     `Dispersion`. `number`: "frequency" or "damping".
     """
+    # ones of the shape of a factor, ``(...)``, for modes that have none
     ones = np.ones(np.shape(next((v for k, v in values.items() if is_mode_factor(k)), 1.0)))
     return np.stack(
         [
@@ -439,7 +440,7 @@ class Campaign(Case):
     @property
     def chunks(self) -> int:
         """Number of chunks of all cases."""
-        return -(-self.cases // self.chunk)
+        return -(-self.cases // self.chunk)  # rounded up
 
     def span(self, chunk: int) -> tuple[int, int]:
         """Return the number of the first case of a chunk, and how many cases it has.

@@ -130,7 +130,11 @@ class Replay:
 
     @property
     def _required_encountered(self) -> float:
-        """The required deflection [rad] at `dead_band`, of both planes where both are judged."""
+        """Required deflection [rad] at `dead_band` and the dynamic pressure encountered, a size.
+
+        Of both planes where both are judged. In a single plane, where the campaign has no column of
+        it, it is at nominal dynamic pressure.
+        """
         column = self.outputs.get(required_name(self.dead_band))
         if column is not None or self.campaign.planes != BOTH:
             return abs(self.required) if column is None else column
@@ -300,6 +304,7 @@ def _extremes(
         response = response_of()
     except InputError:
         return {}
+    # from here on the linear response has no meaning
     fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
     end = int(fallen[0]) if fallen.size else response.time.size - 1
     peaks = {

@@ -72,7 +72,7 @@ def drawn(campaign: Campaign, rows: FloatArray) -> Dispersed:
     parameters = len(campaign.dispersions.distributions)
     cases = campaign.dispersions.apply(campaign.nominal, rows[:, :parameters])
     if isinstance(campaign.wind, WindEnsemble):
-        cases.values["wind"] = campaign.wind.chosen(rows[:, parameters])
+        cases.values["wind"] = campaign.wind.chosen(rows[:, parameters])  # by the last number
     return cases
 
 
@@ -103,7 +103,7 @@ def batch(campaign: Campaign, cases: Dispersed) -> Batch:
     changes = {
         k: v
         for k, v in cases.values.items()
-        if k not in (*WIND, *GAINS, "wind") and not is_mode_factor(k)
+        if k not in (*WIND, *GAINS, "wind") and not is_mode_factor(k)  # fields of the vehicle
     }
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
     return _batch(campaign, vehicle, cases.values, cases.possible.size)
@@ -213,6 +213,7 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
         """Write the status of the case with an index that cannot be computed: why, its `error`."""
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
+    # all cases at once; then, one by one, outputs that take a single case
     divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
     if any(REGISTRY[name].case_by_case(campaign) for name in campaign.outputs):
         for case in np.flatnonzero(cases.possible):
@@ -224,7 +225,9 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
 def _count_unknown(answers: dict[str, FloatArray], status: AnyArray) -> None:
     """Make the angles [rad] of cases that are not known infinite, and write their status.
 
-    `answers`: outputs by name, ``(n,)`` each, which are changed. `status`: texts, ``(n,)``, too.
+    They are required deflections that are NaN where the case has an answer, and peaks of flights
+    that are neither survived nor lost. `answers`: outputs by name, ``(n,)`` each, which are
+    changed. `status`: texts, ``(n,)``, too.
     """
     for name, values in answers.items():
         if name.startswith(REQUIRED):

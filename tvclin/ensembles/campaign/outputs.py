@@ -105,7 +105,7 @@ class Batch:
 
     @cached_property
     def first(self) -> Batch:
-        """The first case, with scalars in place of a batch axis."""
+        """Batch of the first case alone, with scalars in place of a batch axis."""
         shape = (self.count,)
         return Batch(
             self.plant.case(0, shape),
@@ -198,6 +198,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
         plane: _flown(in_plane, batch.plane_batches[plane], limit * shares[plane])
         for plane, in_plane in campaign.plane_campaigns.items()
     }
+    # a plane without wind: nothing moves, and it survives
     calm = {name: np.zeros(batch.count) for name in COLUMNS} | {"flight_survived": np.ones(1)}
     pitch, yaw = (flown.get(plane, calm) for plane in PLANES)
     diverged = (pitch["flight_survived"] == 0.0) | (yaw["flight_survived"] == 0.0)
@@ -208,7 +209,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
         yaw["flight_peak_deflection"],
     )
     columns = {name: np.where(diverged, np.inf, peak) for name, peak in combined.items()}
-    survived = pitch["flight_survived"] + yaw["flight_survived"] - 1.0
+    survived = pitch["flight_survived"] + yaw["flight_survived"] - 1.0  # 1 if both are; NaN stays
     columns["flight_survived"] = np.where(diverged, 0.0, survived)
     for name in COLUMNS:
         by_plane = plane_columns(name)
@@ -219,7 +220,8 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the fractions of the limit that each plane has, ``(n,)``, in ratio of its peak winds.
 
-    `campaign`: has the limit shape. `batch`: n cases, in both planes.
+    With them the rectangle of both deflections lies within the limit shape, so that each plane may
+    be flown by itself. `campaign`: has the limit shape. `batch`: n cases, in both planes.
     """
     peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.plane_batches.items()}
     limit_shape = limit_shape_of(campaign.nozzle.limit_shape or "")
@@ -233,6 +235,7 @@ def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[
     `limit`: deflection limit [rad], ``(n,)`` or a scalar.
     """
     dispersed = any(np.ndim(value) for value in batch.gains.values())
+    # filters between the sensors and the gains, which are the same in all cases
     chains = {name: getattr(campaign.autopilot_design, name) for name in CHAINS}
     gains_vary = dispersed and campaign.law == AUTOPILOT
     flown = fly_many(
@@ -269,6 +272,7 @@ def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     first, last = campaign.along.span
     by_case = [flights_along(campaign, batch, case) for case in range(batch.count)]
     flights = [flight for of_case in by_case for flight in of_case]
+    # index of the first flight of each case
     starts = np.cumsum([0, *(len(of_case) for of_case in by_case[:-1])])
     limits = (np.full(len(flights), x) for x in limits_along(campaign))
     fates = _fates(fly_together(flights, np.arange(len(flights)), *limits))
@@ -300,6 +304,7 @@ def flights_along(campaign: Campaign, batch: Batch, case: int) -> list[FlownFlig
     if values:
         flight, autopilot = dispersed_flight(plan, campaign.dispersions, campaign.nominal, values)
     flights, first, last = [], plan.span[0], plan.stop
+    # without a specified start a flight begins with its wind
     for wind in _winds_along(campaign, flight, batch.wind.case(case, (batch.count,)), values):
         start = float(wind.history.onset) if plan.start is None else first
         start = max(start, first, wind.known[0])
@@ -398,7 +403,8 @@ def _with_plane_columns(campaign: Campaign, columns: dict[str, str]) -> dict[str
 def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the required deflections [rad] of a batch of n cases, ``(n,)`` by column.
 
-    There are columns for each dead band of the campaign; see `_required_at`.
+    There are columns for each dead band of the campaign, the fraction K of the limit up to which
+    the vehicle is trimmed; see `_required_at`.
     """
     required: dict[str, FloatArray] = {}
     for dead_band in campaign.dead_bands:
@@ -416,6 +422,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     at_encountered = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
     if not batch.plane_batches:
         plant, wind, shape = batch.plant, batch.wind, (batch.count,)
+        # zero and infinite requirements stand as they are at nominal dynamic pressure
         special = np.broadcast_to(may_be_zero_or_infinite(plant, wind, dead_band), shape)
         required = at_encountered(campaign.plane)
         if required is None:
@@ -434,6 +441,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
         for plane in batch.plane_batches
     }
     combined = rectangle(limit_shape, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
+    # where the vector of both planes requires more, it rises as the plane that rises most
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = [np.nan_to_num(x / np.abs(nominal.separate[k])) for k, x in separate.items()]
     vector = nominal.deflection > rectangle(limit_shape, **nominal.separate) * (1.0 + ROUNDING)
@@ -447,7 +455,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
 
 
 def _or_nominal(required: FloatArray | None, nominal: FloatArray) -> FloatArray:
-    """Return required deflections [rad], but zero and infinite ones at nominal dynamic pressure.
+    """Return required deflections [rad], ``(n,)``, with the zero and infinite ones of `nominal`.
 
     `required`: those at the dynamic pressure encountered, ``(n,)``; None for the nominal one.
     `nominal`: those at nominal dynamic pressure, ``(n,)``.
@@ -481,6 +489,7 @@ def _bound(
     for plane, in_plane in batch.plane_batches.items():
         first = in_plane.first
         bounds[plane] = float(np.abs(plane_bound(first.plant, first.wind)))
+    # a shape with the limit one reaches this far in pitch and in yaw, to either side
     largest = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     bound = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
     if len(batch.plane_batches) > 1:

@@ -80,7 +80,11 @@ class CampaignResults(Tabled):
 
     @property
     def converged(self) -> bool:
-        """Whether the bounds of the quantile lie within `until` of the campaign at a checkpoint."""
+        """Whether the answer has converged, so that the campaign has ended.
+
+        It has if the bounds of the quantile differ by at most the fraction `until` of it, after one
+        of the numbers of chunks at which this is checked, with none missing before.
+        """
         until, finished = self.campaign.until, len(self.chunks)
         checked = finished in checkpoints(self.campaign.chunks)
         if until is None or not checked or self.chunks != tuple(range(finished)):
@@ -233,7 +237,8 @@ class CampaignResults(Tabled):
     ) -> statistics.Success | None:
         """Return the probability of survival (`which` is 0) or loss (1) of a flight.
 
-        `confidence`: of its interval, by default the campaign's. None without flights.
+        Undecided flights count among all. `confidence`: of its interval, by default the campaign's.
+        None without flights.
         """
         counts = self.flights
         if counts is None:
@@ -291,6 +296,7 @@ class CampaignResults(Tabled):
         quantiles and of their bounds; by default those of the campaign.
         """
         answers = self.answers(output)
+        # halved four times
         sizes = sorted({max(answers.size >> k, 1) for k in range(5)}) if answers.size else []
         level = self._level(probability, confidence)
         return tuple(statistics.quantile_bound(answers[:n], *level) for n in sizes)

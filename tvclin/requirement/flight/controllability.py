@@ -151,6 +151,7 @@ def controllability_ratio(
     for time, trim, peak in _trims(sizing, np.broadcast_to(gusts, sizing.times.shape)):
         vehicle = sizing.schedule.at(time)
         slopes = (abs(float(Coefficients.from_vehicle(vehicle, name).B)) for name in planes)
+        # B is trim deflection per angle of attack; the trim of the wind includes the gust's
         gust_trim = min(max(slopes) * peak, trim)
         total = total_deflection(
             vehicle,

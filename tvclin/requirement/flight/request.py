@@ -363,6 +363,7 @@ class SizingRequest:
         InputError
             For ends not in order, and more than 10000 flight times.
         """
+        # so that the longest pulse, with its peak at a flight time, lies in the schedule
         half = 0.5 * max((pulse.duration for pulse in self.pulses(case)), default=0.0)
         first, last = self.schedule.span
         if last - first < 2.0 * half:
@@ -385,6 +386,7 @@ class SizingRequest:
             )
         even = np.ceil(low / self.every) * self.every if self.start is None else low
         between = np.arange(even, high, self.every)
+        # those that are not the first or the last but for rounding
         distinct = np.abs(between - [[low], [high]]).min(axis=0) > _MIN_STEP_FRACTION * self.every
         return np.concatenate([[low], between[distinct], [high][: int(high > low)]])
 
@@ -438,6 +440,7 @@ class SizingRequest:
         pulses = self.pulses(case)
 
         def at(time: float, k: int) -> Case:
+            """Return the case of a flight time [s] in pulse number k."""
             return self.at(case, time, pulses[k])
 
         with repeated(result.known.size):
@@ -496,6 +499,7 @@ class SizingRequest:
             inside = (levels >= schedule.height.min()) & (levels <= schedule.height.max())
             times = np.interp(levels[inside], schedule.height, schedule.times)
             speeds = np.interp(0.5 * (times[1:] + times[:-1]), schedule.times, schedule.speed)
+            # levels that are flown past within d of each other resolve waves of 2 d
             widest.append(2.0 * float((speeds * np.diff(times)).max(initial=0.0)))
         return max(widest, default=None)
 

@@ -78,11 +78,14 @@ def two_plane_sizing(
     ]
     arises = {name: _two_plane_arising(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
     required, more = _required(pitch, yaw, needs, limit_shape, arises)
+    # a vector without trim is one for which no requirement of both planes is defined
     refused = [[bool(vector.notes) and not vector.trim for vector in row] for row in needs]
     vector_notes = [
         vector for i, j in np.argwhere(more | np.array(refused)) for vector in needs[i][j].notes
     ]
     messages = (*pitch.said, *yaw.said, *vector_notes)
+    # ratio y of eq (C8), of the demands of slow and fast mode: of a plane where the slow one
+    # decides
     slow = np.where(beyond_single_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
     return Sizing(
         **{name: getattr(pitch, name) for name in ("schedule", "times", "winds", "dead_bands")},
@@ -112,7 +115,8 @@ def _two_plane_arising(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatAr
     times = [sizing.arising(name) for sizing in (pitch, yaw)]
     sizes = [np.nanmax(sizing.required[name], axis=0, initial=0.0) for sizing in (pitch, yaw)]
     in_pitch = np.isnan(times[1]) | ((sizes[0] >= sizes[1]) & ~np.isnan(times[0]))
-    return np.where(in_pitch, *times)
+    time_in_pitch, time_in_yaw = times
+    return np.where(in_pitch, time_in_pitch, time_in_yaw)
 
 
 def _required(
@@ -299,6 +303,7 @@ def size(
         [placed_in_planes(planes, wind, v, t, where[name], window) for name, wind in named.items()]
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
+    # requirements of each wind and time, for the progress: frozen, varying, and of the vector
     rounds = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
     count_need = _progress_counter(progress, len(placed) * len(named) * rounds)
     always = -np.inf, np.inf
@@ -468,7 +473,7 @@ def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list
 def _without_exit(
     mode: FlightMode, times: FloatArray, placed: list[list[PlacedWind]], bands: FloatArray
 ) -> list[str]:
-    """Return messages where trim counts whole in a wind, since poles are a pair or mu_alpha turns.
+    """Return messages where trim counts whole in a wind: poles are a pair, or mu_alpha turns sign.
 
     `mode`: unstable mode along the flight. `times`: flight times [s] of the rows of winds in
     `placed`. `bands`: all K.
@@ -621,8 +626,9 @@ def _covers(schedule: FlightSchedule, wind: PlacedWind) -> bool:
 def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:
     """Return the largest relative change of beta or B during a wind; NaN if it is not known.
 
-    `schedule`: vehicle over the flight, in the plane `plane`. `vehicle`: vehicle at the flight
-    time.
+    beta = sqrt(abs(mu_alpha)) [1/s] is the rate of the attitude, B the ratio of trim deflection to
+    angle of attack; changes are against the values at the flight time. `schedule`: vehicle over the
+    flight, in the plane `plane`. `vehicle`: vehicle at the flight time.
     """
     if wind.calm:
         return 0.0 if wind.known else np.nan

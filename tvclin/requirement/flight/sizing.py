@@ -29,7 +29,11 @@ STEADY = 0.1
 
 
 def beyond_single_pole(slow_mode: FloatArray) -> BoolArray:
-    """Return whether the slow mode of the flight path decides, by y of eq (C8), ``(n, m)``."""
+    """Return whether the slow mode of the flight path decides, ``(n, m)``.
+
+    `slow_mode`: y of eq (C8), the ratio of the deflections that the slow and the fast mode demand;
+    negative where the wind drives them in opposite directions. NaN gives False.
+    """
     return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
 
 
@@ -268,6 +272,7 @@ class Sizing(Tabled):
         values = self.required[requirement]
         first, last = self.known_times[:, 0].max(), self.known_times[:, 1].min()
         early, late = self.times < first, self.times > last
+        # flight times without a requirement that no end of a sounding explains
         rest = self.times[np.isnan(values).any(axis=1) & ~early & ~late]
         words = {
             f"above {self.schedule.altitude_text(last)}": np.any(late),
@@ -401,7 +406,11 @@ def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
 
 
 def _change_notes(sizing: Sizing) -> list[str]:
-    """Return a note on the largest change of beta or B during a wind of a sizing."""
+    """Return a note on the largest change of beta or B during a wind of a sizing.
+
+    beta [1/s] is the rate of the attitude, B the ratio of trim deflection to angle of attack. None
+    for changes that are small, or with varying parameters.
+    """
     if sizing.freezing_error or not np.any(sizing.change > STEADY):
         return []
     i, j = np.unravel_index(int(np.nanargmax(sizing.change)), sizing.change.shape)

@@ -419,6 +419,7 @@ def worst_total(
         )
         for t, wind in winds
     ]
+    # a time at which the nozzle is too slow is worse than any other
     worst = max(totals, key=lambda total: (total.too_slow, total.total))
     needed = max(total.needed_rate for total in totals)
     others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
@@ -440,6 +441,7 @@ def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]
 
     A wind that is fixed in flight time has one requirement, at the time at which it arises.
     """
+    # time at which the requirement of a fixed wind arises; NaN for other winds
     arises, required = sizing.arising(requirement), sizing.required[requirement]
     fixed = np.isfinite(arises)
     by_time = np.fmax.reduce(np.where(fixed, np.nan, required), axis=1)
@@ -488,9 +490,9 @@ def _at_rate(
 
 
 def _fastest(sizing: Sizing, time: float) -> float:
-    """Return the fastest unstable pole [1/s] of a sizing's planes at a flight time [s].
+    """Return the largest size of an unstable pole [1/s] of a sizing's planes at a time [s].
 
-    Zero without an unstable pole.
+    `time`: flight time. Zero without an unstable pole.
     """
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
