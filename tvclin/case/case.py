@@ -162,7 +162,10 @@ class Case:
 
     @cached_property
     def wind_in_plane(self) -> ShapedWind | FixedWind | WindEnsemble | History:
-        """The wind in the plane, with its gust at its time, or at the worst time with K = 1."""
+        """The wind in the plane, with its gust at its time, or at the worst time with K = 1.
+
+        With the dead band K = 1 the vehicle is trimmed up to the limit.
+        """
         return self.wind_in_plane_at(1.0)
 
     def wind_in_plane_at(self, dead_band: float) -> ShapedWind | FixedWind | WindEnsemble | History:
@@ -187,14 +190,17 @@ class Case:
 
     @property
     def history(self) -> History:
-        """The wind [rad] as a history, a gust at the worst time for K = 1.
+        """The wind [rad] as a history, a gust at the worst time for K = 1, trim up to the limit.
 
         An ensemble gives its first wind.
         """
         return self.history_at(1.0)
 
     def history_at(self, dead_band: float) -> History:
-        """Return the wind [rad] as a history, with the gust at the worst time for a dead band K."""
+        """Return the wind [rad] as a history, with the gust at the worst time for a dead band K.
+
+        `dead_band`: K in [0, 1], the vehicle is trimmed up to K times the limit.
+        """
         K = number("dead_band", dead_band, between(0.0, 1.0))
         wind = self.wind_in_plane if K == 1.0 else self.wind_in_plane_at(K)
         return wind if isinstance(wind, History) else wind.history({})
@@ -225,7 +231,10 @@ class Case:
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot, designed on the rigid plant; same exceptions as its design."""
+        """The autopilot, designed on the rigid plant; same exceptions as its design.
+
+        With a `controller`, a state space in place of gains, it is a `SystemAutopilot` of that.
+        """
         design = self.autopilot_design
         if self.controller is not None:
             from tvclin.control.autopilot.system_autopilot import SystemAutopilot

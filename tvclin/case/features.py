@@ -151,8 +151,10 @@ def refusal(question: str, option: str, key: str | None = None) -> str | None:
 def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) -> Iterator[str]:
     """Yield a note for each feature of a case that questions omit.
 
-    `questions`: names in `QUESTIONS`, or a name with an option, such as "design --box". `tables`:
-    tables of the file of a case, of features that the case itself does not hold.
+    Numbers of some questions are of the rigid vehicle, so that its structure is omitted; other
+    features a question refuses, or does not compute with some options. `questions`: names in
+    `QUESTIONS`, or a name with an option, such as "design --box". `tables`: tables of the file of a
+    case, of features that the case itself does not hold.
     """
     of_the_rigid = [question for question in questions if question in _RIGID_NUMBERS]
     if case.vehicle.structure is not None:

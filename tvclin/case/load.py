@@ -123,6 +123,9 @@ class LoadBound:
     ) -> LoadTradeOff:
         """Return the trade-off curve of limit over load in the wind of a case.
 
+        The load is the angle alpha + (M_delta/M_alpha) delta [rad], with the slopes of the bending
+        moment; another bound is on alpha alone.
+
         Parameters
         ----------
         case : Case

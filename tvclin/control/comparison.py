@@ -64,11 +64,11 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
 
     def negative_gain(omega: FloatArray) -> FloatArray:
         """Return -|G(j omega)|, to be minimised, at frequencies [rad/s]."""
-        terms = loop.form.parts(omega.reshape(1, -1))
+        terms = loop.form.parts(omega.reshape(1, -1))  # N e^(-s delay) and D
         returned, denominator = (term.reshape(omega.shape) for term in terms)
         return -np.abs(polynomials.value(numerator, 1j * omega) / (denominator + returned))
 
-    grid = grid_frequencies(loop.form, stability(loop.form))[0]
+    grid = grid_frequencies(loop.form, stability(loop.form))[0]  # of the first and only loop
     ratios = np.concatenate([1.0 - _CROSSOVER_OFFSETS, 1.0 + _CROSSOVER_OFFSETS])
     frequencies = np.multiply.outer(margins.crossings.gain_frequencies, ratios).ravel()
     omega = np.unique(np.concatenate([[0.0], grid[np.isfinite(grid)], frequencies]))
@@ -462,6 +462,7 @@ def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, fl
     """
     try:
         bands = np.array(DEAD_BANDS)
+        # Literal: the switch compares the trim deflection itself with K times the limit.
         boundary = boundary_limit(plant, wind, bands, "literal")
         requirement = with_larger_requirements(plant, wind, bands, boundary)
         limits = requirement.deflection

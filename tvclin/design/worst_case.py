@@ -338,6 +338,7 @@ class _Case:
         best = int(np.argmin(edges))
         point, worst, corner = corners[best], float(edges[best]), True
         if not proved and np.isfinite(worst):
+            # The second argument, costs of the best points so far, is of no use here.
             points, minima = box_minimum(
                 lambda x, _: np.broadcast_to(value(self.values(x)), len(x)),
                 len(self.names),

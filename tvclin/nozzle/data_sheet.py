@@ -438,7 +438,7 @@ def flight_reason(plant: AnyPlant, status: str) -> str:
         return "the flight has neither diverged nor settled at its end"
     if status != NO_FLIGHT:
         return ""
-    if decidable(plant):
+    if decidable(plant):  # a test of loss is known for its poles
         return "the wind lasts for more than a million samples"
     poles = select_unstable(plant.poles)
     poles = poles[~np.isnan(poles)]

@@ -276,7 +276,9 @@ class _Conditions:
 
         `i`, `time`: index of the flight time, and itself [s]. `name`: name of the wind. `placed`:
         the wind in each plane. `signed`: whether head and tail wind count separately. `measured`:
-        whether the wind lasts the flight, so that only the interval around this time counts.
+        whether the wind lasts the flight, so that only the interval around this time counts. Each
+        flight is of the vehicle in the dynamic pressure that its wind encounters, `at_peak`;
+        nothing is flown without an unstable pole.
         """
         case, schedule = self.case, self.request.schedule
         vehicle = schedule.at(time)
@@ -430,7 +432,7 @@ def _verdict(
     flown = [point.duty for point in points if point.duty is not None]
     # Of any control that knows the wind: the angle with a ramp at the rate limit, and the rate of
     # a ramp to the deflection limit.
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # without a pole the 1e-9 divides, and nothing is required
         ramped = ramped_deflection(minimum, np.maximum(pole, 1e-9), max_rate)
         theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
         rates = np.nan_to_num(ramp_rate(minimum, pole, limit), nan=0.0, posinf=np.inf)
@@ -547,7 +549,7 @@ def _notes(
 
     `conditions`: common to all flights. `points`: all flights. `winds`: by name.
     """
-    stable = [point for point in points if not point.pole]
+    stable = [point for point in points if not point.pole]  # zero without an unstable pole
     if stable:
         yield f"without an unstable pole no deflection is required, as at {stable[0].time:.6g} s"
     if any(map(_measured, winds.values())):

@@ -160,7 +160,8 @@ def specified_filters(
                 notches.append(_joined([_mode_notch(table) for table in tables]))
                 continue
             made = [_filter(table) for table in tables]
-            chain, filters = CHAIN_OF_POSITION[made[0][0]], [filter_ for _, filter_ in made]
+            position, _ = made[0]
+            chain, filters = CHAIN_OF_POSITION[position], [filter_ for _, filter_ in made]
             if points:
                 above, below = (
                     np.stack([getattr(filter_, name) for filter_ in filters])
@@ -184,7 +185,7 @@ def _numbers_of_rows(
     numbered = {f"{k + 1}": k for k in range(len(rows))}
     modes = [f"{row['mode']}" if "mode" in row else "" for row in rows]
     single = {mode: k for k, mode in enumerate(modes) if mode and modes.count(mode) == 1}
-    labels = numbered | single | numbered
+    labels = numbered | single | numbered  # numbers first, also before a mode of such a name
     numbers: list[dict[str, list[float]]] = [{} for _ in rows]
     for column, values in columns.items():
         label, _, key = column.removeprefix(COLUMN_PREFIX).rpartition(".")

@@ -247,7 +247,7 @@ def drift_minimum_gains(
             "drift-minimum gains need coefficients with drift (b1, b2, C2) and mu_alpha other"
             " than zero; make them with Coefficients.from_vehicle"
         )
-    along = c.C2 / np.asarray(c.mu_alpha)
+    along = c.C2 / np.asarray(c.mu_alpha)  # w
     thrust, lift = np.broadcast_arrays(c.b1 + along, c.b2 + along)
     worst = np.unravel_index(np.argmin(np.minimum(thrust, lift)), thrust.shape)
     if thrust[worst] <= 0.0 or lift[worst] < 0.0:
@@ -533,6 +533,7 @@ def drift_gains(
     )
     poles = np.concatenate([_pair(*pair) for pair in pairs])
     system = LateralSensors(drift=True).system(plant)
+    # States attitude, its rate, flight path angle, and drift over speed [s], of about one size.
     A, B = _per_speed(system.A, float(speed)), system.B[:, :1]
     try:
         gains = control.place(A, B, poles)[0]
@@ -632,6 +633,9 @@ def _pair(name: str, frequency: float, damping_name: str, damping: float) -> Com
 
 
 def _per_speed(A: FloatArray, speed: float) -> FloatArray:
-    """Return A of attitude, rate, path and drift with the drift over `speed` as last state [s]."""
+    """Return A of attitude, rate, path and drift with the drift over `speed` as last state [s].
+
+    `A`: of the states with the drift [m], ``(4, 4)``. `speed`: V [m/s].
+    """
     scale = np.array([1.0, 1.0, 1.0, speed])
     return A * scale / scale[:, np.newaxis]

@@ -131,7 +131,7 @@ class Sweep(Tabled):
             unit, key = of.criterion.unit, f"sweep.worst.{k}"
             value: Line = ("-",)
             time: Line = ("-",)
-            if not np.isinf(worst.surplus):
+            if not np.isinf(worst.surplus):  # infinite: no mode has this margin; NaN: unstable
                 value = number(f"{key}.value", worst.value, 2, unit)
                 time = significant(f"{key}.time", worst.time)
             if np.isnan(worst.surplus):

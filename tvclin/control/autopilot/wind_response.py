@@ -127,8 +127,10 @@ def peaks_in_winds(
 
     The largest of them is exact; in winds that cannot have the largest it may be too small. `A`,
     `B`: one stable system, ``(n, n)`` and ``(n,)``. `row`: C and D of the output, ``(n,)`` and one
-    number. `winds`: single winds [rad]; those with rates in common are computed together.
+    number. `winds`: single winds [rad], in pieces that are sums over rates r of polynomials in t
+    times e^(r t); those with rates and degree in common are computed together.
     """
+    C, D = row
     decay = -np.real(np.linalg.eigvals(A)).max()
     if not decay > 0.0:
         raise InputError("peaks in winds are of a stable closed loop; this loop is not stable")
@@ -142,8 +144,8 @@ def peaks_in_winds(
         trajectories = motions(A, B, [winds[k].pieces for k in group])
         # Behind x a motion has states of the wind; the first of each rate add up to the wind.
         inputs = np.zeros(trajectories[0].matrix.shape[0] - len(A))
-        inputs[:: degree + 1] = row[1]
-        outputs = np.concatenate([row[0], inputs])
+        inputs[:: degree + 1] = D
+        outputs = np.concatenate([C, inputs])
         peaks[group] = peak_outputs(trajectories, outputs, settling_time)
     return peaks
 

@@ -310,9 +310,11 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
     denominator = polynomials.times_variable(plant.denominator, integrators)
     for name in CHAINS:
         if getattr(autopilot, name):
-            denominator = polynomials.multiply(denominator, _chain(autopilot, name)[1])
+            _, below = _chain(autopilot, name)
+            denominator = polynomials.multiply(denominator, below)
     if autopilot.lateral_sensors.acceleration:
         denominator = polynomials.multiply(denominator, _accelerometer(autopilot))
+    # L is minus what returns, so that 1 + L = 0 is the closed loop.
     return Loop(
         polynomials.multiply(-numerator, actuator_numerator),
         polynomials.multiply(denominator, actuator_denominator),

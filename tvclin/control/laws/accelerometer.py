@@ -72,7 +72,7 @@ class AccelerometerLaw(LinearLaw):
 
     def __post_init__(self) -> None:
         """Check autopilot, vehicle and sensor, and that the wind dominates the measurement."""
-        SaturatedLaw(self.autopilot)
+        SaturatedLaw(self.autopilot)  # refuses an autopilot that is not of gains alone
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         single("vehicle", self.vehicle.batch)
         checked(self, "plane", "station", "bandwidth")
@@ -81,6 +81,7 @@ class AccelerometerLaw(LinearLaw):
                 "autopilot must have a gain on the angle of attack, which an accelerometer stands"
                 " for, and none on the integral; see half_relief_gains"
             )
+        # n_alpha must exceed -b0 n_delta, what the law's own deflection b0 alpha adds.
         alpha, deflection, _ = self.sensitivities
         if alpha <= 0.0 or alpha + float(self.autopilot.alpha_gain) * deflection <= 0.0:
             raise InputError(

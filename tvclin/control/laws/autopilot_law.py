@@ -118,7 +118,10 @@ class SystemLaw(_AutopilotLaw):
 
     @property
     def _selection(self) -> FloatArray:
-        """Matrix ``(inputs, 8)`` of zeros and ones: inputs of the controller in `Measurement`."""
+        """Matrix ``(inputs, 8)`` of zeros and ones: inputs of the controller in `Measurement`.
+
+        Times the eight measurements of a flight it gives what the controller reads.
+        """
         rows = [
             [float(name == field) for field in _MEASURED] for name in self.autopilot.system.inputs
         ]

@@ -119,8 +119,11 @@ class Judgement(Record):
 
     @property
     def shortfall(self) -> Line:
-        """Name and surplus of one margin, for a margin that does not satisfy its criterion."""
-        unit = self.criterion.shown[1]
+        """Name and surplus of one margin, for a margin that does not satisfy its criterion.
+
+        The name is that of the mode, if it is a margin of one.
+        """
+        _, unit = self.criterion.shown
         label = self.band or MARGINS[self.criterion.margin][0]
         surplus = unit_factor(unit) * self.surplus
         return (f"{label} ", *significant(f"{label}.surplus", surplus, 3, unit))

@@ -67,7 +67,10 @@ class Loop:
     def __init__(
         self, numerator: ArrayLike, denominator: ArrayLike, delay: ArrayLike = 0.0
     ) -> None:
-        """Check the polynomials and the delay, and set the flattened batch."""
+        """Check the polynomials N and D and the delay T, and set the flattened batch.
+
+        N is filled with zeros in front to the length of D.
+        """
         N = np.atleast_1d(finite("numerator", numerator))
         D = np.atleast_1d(finite("denominator", denominator))
         T = nonnegative("delay", delay, "s")
@@ -85,7 +88,7 @@ class Loop:
         shape = broadcast(numerator=N.shape[:-1], denominator=D.shape[:-1], delay=T.shape)
         missing = D.shape[-1] - N.shape[-1]
         N = np.pad(N, [(0, 0)] * (N.ndim - 1) + [(missing, 0)])
-        N, D = (_flat(array, shape, 1) for array in (N, D))
+        N, D = (_flat(array, shape, 1) for array in (N, D))  # one axis of coefficients
         self._set(Rational(N, D, _flat(T, shape, 0)), shape)
 
     @classmethod
@@ -392,7 +395,7 @@ class SampledLoop(Loop):
             rows = half.reshape(-1, *(1,) * (nu.ndim - 1))
             return np.arctan(nu * rows) / rows
 
-        peaks = w_plane.peaks.copy()
+        peaks = w_plane.peaks.copy()  # pairs of a peak and its frequency
         peaks[..., 1] = frequency(peaks[..., 1])
         omega = frequency(w_plane.gain_frequencies)
         margins = np.full_like(omega, np.nan)

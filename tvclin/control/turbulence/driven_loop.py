@@ -106,7 +106,10 @@ class SensorNoise(Record):
 
     @property
     def intensities(self) -> FloatArray:
-        """Two-sided intensities N^2/2 of attitude and rate in continuous time, ``(2,)``."""
+        """Two-sided intensities N^2/2 of attitude and rate in continuous time, ``(2,)``.
+
+        N: one-sided densities of their noise, [rad/sqrt(Hz)] and [rad/s/sqrt(Hz)].
+        """
         return 0.5 * np.array([self.attitude, self.rate]) ** 2
 
 

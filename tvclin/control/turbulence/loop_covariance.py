@@ -181,7 +181,8 @@ class LoopCovariance(GaussianOutputs):
         InputError
             For an unknown output.
         """
-        return float(self._deviation_of(self._row(output)[0]).max())
+        row, _ = self._row(output)
+        return float(self._deviation_of(row).max())
 
     def quantile(self, probability: float, output: str = DEFLECTION) -> float:
         """Return the quantile of the size of an output, ``|output|``, at a probability.
