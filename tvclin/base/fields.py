@@ -397,7 +397,7 @@ def spec(kind: str = "", label: str = "", **more: Any) -> Mapping[str, Any]:
 def specs(*specified: Field) -> Mapping[str, Any]:
     """Return the metadata of a dataclass attribute, with several `Field`.
 
-    Several are shown of one attribute, such as a vector by its size and its direction.
+    Several are shown of one attribute, such as a wind by its shape, peak and duration.
     """
     return {_SPECIFICATION: specified}
 

@@ -138,7 +138,11 @@ class PlanarMotion:
         return derivatives
 
     def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
-        """Return the measurements of the lateral sensors, by name, at times `t` and states `x`."""
+        """Return the measurements of the lateral sensors, by name; empty without any.
+
+        Drift [m] and acceleration [m/s^2] are states, the drift rate [m/s] follows from them. `t`:
+        times [s]. `x`: states, ``(n, ...)``.
+        """
         states = dict(zip(self.states, x, strict=True))
         lateral = {name: states[name] for name in self.sensors.states}
         if self.sensors.drift_rate:
@@ -158,7 +162,8 @@ class PlanarMotion:
 
         `x`: states, ``(states, ...)``. `gust`: wind angle of attack [rad] on the nominal path.
         """
-        return self._air(self._nominal_state(t), x, gust)[0]
+        alpha, _ = self._air(self._nominal_state(t), x, gust)
+        return alpha
 
     def _air(self, now: _Nominal, x: Any, gust: Any) -> tuple[Any, Any]:
         """Return the angle of attack [rad] and the air speed [m/s].
@@ -396,8 +401,7 @@ def planar_case(
     nominal = None
     if condition is not None:
         vehicle_time = 0.0 if vehicle.time is None else float(vehicle.time)
-        # A millisecond more, so that the last time is within the nominal flight in spite of
-        # rounding
+        # 1 ms more: the last time is within the nominal flight in spite of rounding
         first, last = min(span[0], vehicle_time), max(span[1], vehicle_time) + 1e-3
         nominal = nominal_flight(vehicle, condition, start=first, stop=last)
     return PlanarCase(PlanarMotion(vehicle, plane, flag("drift", drift), nominal), wind, span)

@@ -44,10 +44,17 @@ class Equations(Protocol):
         """
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
-        """Return the angle of attack [rad] at times `t` [s], states `x`, wind angles `gust`."""
+        """Return the angle of attack [rad], of the shape of the states but for their first axis.
+
+        `t`: times [s]. `x`: states, ``(n, ...)``. `gust`: wind angles [rad].
+        """
 
     def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
-        """Return the measurements of the lateral sensors, by name, for times `t` and states `x`."""
+        """Return the measurements of the lateral sensors, by name; empty without any.
+
+        They are drift_rate [m/s], drift [m] and acceleration [m/s^2]. `t`: times [s]. `x`: states,
+        ``(n, ...)``.
+        """
 
 
 class Regime(NamedTuple):

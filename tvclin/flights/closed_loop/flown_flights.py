@@ -113,10 +113,10 @@ class FlownFlight:
         It cannot in a wind that lasts as long as it is known, nor with a vehicle whose flights have
         no outcome (`decidable`). The end is six settling times after the wind.
         """
-        end = float(np.max(self.wind.history.end))
+        end = float(np.max(self.wind.history.end))  # `known`: first and last known time [s] of it
         if not self.goes_on or not end < self.wind.known[1]:
             return None
-        last, _ = self.loops(np.array([self.flight.span[1]]))
+        last, _ = self.loops(np.array([self.flight.span[1]]))  # plants at the schedule's end
         latest = self.stop + _MAX_FURTHER_SAMPLES / float(np.asarray(self.law.sample_rate))
         stop = min(end + _SETTLINGS * float(outcome_criteria(last).settling[0]), latest)
         settles = decidable(last)[0] and stop > self.stop
@@ -228,19 +228,19 @@ def sampled_stages(
         check_samples(float(span), 1.0 / rate)
     winds = [flight.wind.history for flight in flights]
     return Stages(
-        together.plants_at,
-        together.laws_at,
-        together.pressure_at,
-        starts,
-        stops,
-        samples_in(stops - starts, np.array(1.0 / rate)),
-        [flight.vehicle_breaks for flight in flights],
-        [flight.breaks for flight in flights],
-        [id(flight.flight) for flight in flights],
-        1.0 / rate,
-        [wind if wind.batch else wind.cases(np.zeros(1, np.int64), ()) for wind in winds],
-        storage or Storage(),
-        {} if surfaces is None else surfaces,
+        flown_plants=together.plants_at,
+        flown_laws=together.laws_at,
+        pressure_at=together.pressure_at,
+        starts=starts,
+        stops=stops,
+        samples=samples_in(stops - starts, np.array(1.0 / rate)),
+        vehicle_breaks=[flight.vehicle_breaks for flight in flights],
+        breaks=[flight.breaks for flight in flights],
+        alike=[id(flight.flight) for flight in flights],
+        period=1.0 / rate,
+        winds=[wind if wind.batch else wind.cases(np.zeros(1, np.int64), ()) for wind in winds],
+        storage=storage or Storage(),
+        surfaces={} if surfaces is None else surfaces,
     )
 
 
@@ -307,6 +307,7 @@ def fly_together(
     if not cases.size:
         return flown
     further_flights = [further for k in owners if (further := flights[k].further) is not None]
+    # `begins`: first wind of each of these among theirs; `positions`: of the winds that go on
     begins = np.cumsum([0, *np.diff(winds)[owners[:-1]]])
     positions = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
     continued = fly_together(further_flights, positions, limit[cases], rate_limit[cases])

@@ -474,7 +474,7 @@ def with_outputs(
     gust = np.asarray(along.wind.history(times), float)
     states, deflection = rows[:, : len(plants.states)], rows[:, -1]
     _, _, C, D = plants.matrices()
-    drives = np.column_stack([deflection, gust])
+    drives = np.column_stack([deflection, gust])  # the first two inputs of the plants
     values = (C @ states[..., np.newaxis])[..., 0] + (D[..., :2] @ drives[..., np.newaxis])[..., 0]
     by_name = dict(zip(plants.outputs, values.T, strict=True))
     outputs: dict[str, FloatArray] = {"wind": gust}

@@ -57,8 +57,10 @@ def plane_flights(
 ) -> Flights:
     """Return the flights of one plane at their start, with onset and end of the vector wind.
 
-    `component`: component of the wind in this plane. `limit`: deflection limits of the plane [rad],
-    ``(m,)``. `hardware`: sample period, delay, actuator and rate limit.
+    Both planes thus have the same samples, until at most 20000 after the wind. `plant`, `law`: of
+    this plane. `wind`: the vector wind. `component`: its component in this plane. `limit`:
+    deflection limits of the plane [rad], ``(m,)``. `hardware`: sample period, delay, actuator and
+    rate limit.
     """
     laws, length = law_batch(law, limit.shape), float(hardware.length)
     batch = Batch(plant, hardware, component, laws, limit, limit.shape)
@@ -68,6 +70,7 @@ def plane_flights(
     ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))
     f.cases.start[:], f.cases.ends[:] = onset, ends
     f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _MAX_SAMPLES_AFTER_WIND)
+    # index of the last breakpoint of the component that is not after the onset
     f.now.piece[:] = (f.winds.knots[f.cases.wind] <= onset).sum(axis=1) - 1
     return f
 

@@ -285,7 +285,8 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
     The loop with a factor on the gain or the effectiveness is at its stability limit where factor
     times l is 1. The step is A + g D with the gain g: A is the step without the law, D its effect
     (`A_1`, `D_1`; `dA`, `dD` are their changes when the effectiveness rises by one). `batch`: one
-    flight. `name`: "gain" or "effectiveness". `samples`: whole samples of further delay.
+    flight. `name`: "gain" or "effectiveness". `samples`: whole samples of further delay. l is the
+    trace of (z - M_0)^-1 (M_1 - M_0), M_0 and M_1 being the steps for the factors zero and one.
     """
 
     def step(gain: float, effectiveness: float) -> FloatArray:
@@ -303,7 +304,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         """Return l at angles [rad] on the unit circle, in their shape."""
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples
-        M = A_1 + delay * D_1
+        M = A_1 + delay * D_1  # M_1; the change from M_0 to it follows
         change = delay * D_1 if name == "gain" else dA + delay * dD
         product = np.linalg.solve(z * unit - M + change, change)
         return np.asarray(np.trace(product, axis1=-2, axis2=-1))

@@ -337,8 +337,8 @@ class Stages:
         """Return the matrices of m samples of one flight, by name, at given dynamic pressures.
 
         `flight`: index of the flight. `times`: starts of the samples [s], ``(m,)``. `pressure`:
-        q/q_n in the middle of each part of a sample. `change`: its change from there to the second
-        Gauss point of the part.
+        q/q_n in the middle of each part of a sample, ``(m,)``. `change`: its change from there to
+        the second Gauss point of the part, ``(m,)``.
         """
         places = self._places(times)
         parts = len(places) // 2 - 1
@@ -401,7 +401,8 @@ class Stages:
         indices of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places
         include the middles, and the matrices A and gust input there. Step matrices are those of the
         constant system that equals the varying one over a part to fourth order, from its values at
-        both Gauss points.
+        both Gauss points. Names: joint, ramp and fine as in `Steps`; shown, A and gust as in
+        `Vehicles`.
         """
         count, terms, shape = places.shape[1], self._pieces[1].shape[2], flight.shape
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
@@ -453,7 +454,10 @@ class Stages:
         rows, width = np.flatnonzero(judged), self.steps.joint.shape[2]
 
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
-            """Return the criteria at times [s] of judged samples with the indices `index`."""
+            """Return the criteria at times [s] of judged samples with the indices `index`, by name.
+
+            The samples are `rows` of all samples; the names are those of `Vehicles`.
+            """
             criteria = outcome_criteria(self.plants_at(times, self.flight[rows[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))
             return {"judges": judges, "reach": criteria.reach, "ratio": criteria.ratio}
@@ -574,7 +578,7 @@ class Stages:
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
     """Return a system, or a flat batch of systems, as a batch of the shape (parts, samples).
 
-    `shape`: that shape.
+    `shape`: numbers of parts and samples. A single system is repeated.
     """
 
     def shaped(matrix: FloatArray) -> FloatArray:

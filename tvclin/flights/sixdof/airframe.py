@@ -426,11 +426,11 @@ class Airframe:
     ) -> FloatArray:
         """Return the outputs of a flight at m samples, minus those of the nominal one, ``(m, 7)``.
 
-        JSBSim is reset first. The flight ends after the first attitude beyond 25 deg or that is not
-        finite. `steering`: function of the deflection. `speeds`, `angles`: wind speed [m/s] and
-        wind angle [rad] at each step, ``(n,)``, m <= n. `nominal`: outputs of the nominal flight.
-        `trajectory`: its `OUTPUTS` in pitch, ``(n, 5)``; without it the nominal flight is straight.
-        `sensors`: lateral sensors of the law.
+        A row is a `Row`. JSBSim is reset first. The flight ends after the first attitude beyond 25
+        deg or that is not finite. `steering`: function of the deflection. `speeds`, `angles`: wind
+        speed [m/s] and wind angle [rad] at each step, ``(n,)``, m <= n. `nominal`: outputs of the
+        nominal flight. `trajectory`: its `OUTPUTS` in pitch, ``(n, 5)``; without it the nominal
+        flight is straight. `sensors`: lateral sensors of the law.
         """
         self._restart()
         h, run, set_deflection = self._step, self.engine.run, self._deflection_setters[self._plane]

@@ -266,6 +266,7 @@ def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
     )
     speeds = {"x": "velocities/u-fps", "y": "velocities/v-fps", "z": "velocities/w-fps"}
     work = [("product", f"tvclin/without-weight-{axis}-lbs", v) for axis, v in speeds.items()]
+    # power of the forces [lb ft/s] over the square of the speed: push per speed [lb/(ft/s)]
     power: Tree = ("sum", *work, ("product", -weight * sine, forward))
     square: Tree = ("sum", *(("product", v, v) for v in speeds.values()))
     _function(reactions, ("quotient", power, square), name="tvclin/push-per-speed")
