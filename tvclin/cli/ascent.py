@@ -188,7 +188,10 @@ def _check_drawn(times: FloatArray) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """Sizing of a flight with its budget, and the autopilot flown in its winds where it has one."""
+    """Sizing of a flight with its budget, and the autopilot flown in its winds where it has one.
+
+    `counted`: the requirement of the sizing that enters the budget, which is `total`.
+    """
 
     source: str
     sizing: Sizing
@@ -317,7 +320,9 @@ def _judged_planes(sizing: Sizing) -> str:
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     """Yield notes on options that would cover flight times which a sizing does not.
 
-    `request`: the flight, its times and winds, of which the sizing is the result.
+    `request`: the flight, its times and winds, of which the sizing is the result. Options are also
+    named that leave out times at which a wind is not known, and one that counts less of a sounding,
+    where parameters change by more than `STEADY` in it.
     """
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
@@ -326,7 +331,8 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
             f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
             f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
         )
-    first_time, last_time = sizing.known_times[:, 0].max(), sizing.known_times[:, 1].min()
+    first_times, last_times = sizing.known_times.T  # at which each wind is known [s]
+    first_time, last_time = first_times.max(), last_times.min()
     required = next(iter(sizing.required.values()))
     determined = sizing.times[np.isfinite(required).all(axis=1)]
     if determined.size:  # a gust may make more times unknown than the end of a sounding
@@ -354,7 +360,9 @@ def case_over_flight(
     """Return the case of a flight from the file `source` and options.
 
     `command`: name of the question, for notes on what it neglects. `winds`: options of the winds.
-    `question`: options of flight times and tables. `changes`: further groups of options.
+    `question`: options of flight times and tables. `changes`: further groups of options. Notes say
+    what the question neglects of the file, and that a wind in yaw has no sign that counts.
+    `InputError` for a sign of a sounding, and keys of soundings without one.
     """
     soundings = winds.soundings(SoundingReading.of(source_tables(source), Path(source).parent))
     note_source(source, command)

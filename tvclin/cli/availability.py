@@ -132,13 +132,15 @@ def _write(result: Availability, source: str, csv: Path | None, plot: Path | Non
 def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
     """Return the plan of a source with the keys that have a value.
 
-    `InputError` without an archive or a limit.
+    `keys`: values by key of a study file; None, or an empty list, is not given. `InputError`
+    without an archive, a direction of flight or a limit.
     """
     values = {key: value for key, value in keys.items() if value is not None and value != []}
     missing = {"availability.archive": "a STATION", "availability.azimuth_deg": "--azimuth-deg"}
     named = source_tables(source).get("availability", {})
     for key, name in missing.items():
-        if key not in values and not any(k.startswith(key.split(".")[1][:7]) for k in named):
+        name_of_key = key.partition(".")[2][:7]  # archive or azimuth, in any unit
+        if key not in values and not any(k.startswith(name_of_key) for k in named):
             raise InputError(f"availability needs {name}, or a file with [availability]")
     edited = with_settings(source, [(key, f"{value}") for key, value in values.items()])
     plan = load_sizing(edited) if is_flight_with_keys(edited) else load_study(edited)
@@ -207,7 +209,11 @@ def _said(balloon: Today, result: Availability) -> str:
 
 
 def _verdict(balloon: Today) -> str:
-    """Return the verdict on a balloon with its requirement, in words."""
+    """Return the verdict on a balloon with its requirement, in words.
+
+    Go takes the upper bound of the requirement [rad], no go the lower; where it is not known its
+    reason stands, or else both bounds.
+    """
     if balloon.go is None:
         between = (
             f", between {np.degrees(balloon.lower):.3f} and {np.degrees(balloon.upper):.3f} deg"

@@ -131,7 +131,7 @@ def _largest(axis: str, x: FloatArray, K: FloatArray, limit: FloatArray) -> str:
 
     `axis`: name of the abscissa. `x`: abscissas, ``(n,)``. `K`: dead bands, ``(k,)``.
     """
-    finite = np.where(np.isfinite(limit), limit, -1.0)
+    finite = np.where(np.isfinite(limit), limit, -1.0)  # below every limit
     n, k = np.unravel_index(np.argmax(finite), finite.shape)
     return f"at most {finite[n, k]:.3f} of static trim, at {axis} = {x[n]:g} and K = {K[k]:g}"
 
@@ -141,7 +141,8 @@ def _subject(
 ) -> tuple[str, Plant, str, str]:
     """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1.
 
-    `time`: flight time [s] of a schedule. `motion`: options of model and plane.
+    `time`: flight time [s] of a schedule. `motion`: options of model and plane. Without a vehicle
+    the flight path is fixed, where y_BR over tau beta is the same for all, and the name is empty.
     """
     if vehicle is None:
         motion.only_with("a vehicle")
@@ -185,7 +186,8 @@ def print_in_wind(
     from tvclin import plots
 
     plant, wind = case.plant.rigid, case.history
-    begin, horizon = chosen(control[0], float(wind.onset)), control[1]
+    start, horizon = control
+    begin = chosen(start, float(wind.onset))
     known_wind = KnownWind.of(plant, wind, begin, horizon, case.nozzle.rate_limit)
     shown.write(
         lambda: _curves(plant, known_wind.deflection, wind, title),

@@ -97,7 +97,10 @@ class BoxResult:
 
     @property
     def verdict(self) -> str:
-        """Verdict on the criteria in the box, with the worst disk margin and its position."""
+        """Verdict on the criteria in the box, with the worst disk margin and its position.
+
+        The position is the value of each number of the box, with its unit.
+        """
         disk = self.worst.margins["disk_margin"]
         at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in disk.at.items())
         word = satisfaction(self.satisfied)
@@ -215,7 +218,11 @@ class MinimumGainOptions:
         return replace(plan, design=design)
 
     def minimum(self, case: StudyPlan) -> MinimumGains | None:
-        """Return the gains for the minimum deflection; None without --least."""
+        """Return the gains for the minimum deflection; None without --least.
+
+        It is the largest over pulses of the duration of the wind, half and twice that.
+        `InputError` for gains or another rule in the plan, and for a sounding.
+        """
         design, wind = case.autopilot_design, case.wind_in_plane
         if not self.least:
             return None

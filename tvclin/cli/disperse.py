@@ -181,7 +181,8 @@ def _campaign(
     """Return the campaign of a file or a vehicle, with the keys of options set.
 
     `time`: flight time [s] of a schedule. `winds`: options of the wind. `changes`: groups of
-    options whose fields are keys of a campaign.
+    options whose fields are keys of a campaign. Messages name the option, not the key that it sets.
+    In a sounding the default dispersions are without those of the wind.
     """
     values = {name: value for change in changes for name, value in change.values.items()}
     keys = _keys(source_tables(source), {"time": time, **vars(winds), **values})
@@ -214,7 +215,8 @@ def _campaign(
 def _in_soundings(campaign: Campaign, winds: WindOptions, source: str) -> Campaign:
     """Return a campaign along a flight in the soundings of --winds, from size.from_s to to_s.
 
-    `source`: file of the campaign, which may have these keys.
+    `source`: file of the campaign, which may have these keys. Each case flies in one of the
+    soundings. `InputError` for a gust on them.
     """
     plan = campaign.along
     assert plan is not None
@@ -241,6 +243,8 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
     """Return the keys of a file with tables, and their values, by the options that give them.
 
     Without cases in the file they are set, so that a vehicle becomes a file of a campaign.
+    `values`: values of options by field, None where not given. A key stands where the file has it:
+    in [study] or in [campaign]; options of a pulse are of the first wind that is no sounding.
     """
     rows = wind_tables(tables)
     shaped = next((k for k, row in enumerate(rows) if SOUNDING not in row), 0)

@@ -41,9 +41,11 @@ from tvclin.winds.wind_angles import linear_notes
 class Compared:
     """A flight, compared with the linear theory or the rigid vehicle; deflections in rad.
 
-    Both boundaries are None where neither was sought, and the first where that was not. `verdict`
-    stands above the table, `title` and `columns` in it, `flight_notes` below it, and `heads`, the
-    setting, among the details; `facts` are for JSON alone.
+    `case`: the `Flying` with the engine. `reference`: name of the comparison, "linear" or "rigid".
+    `boundary`: smallest limits that survive, of flight and comparison; None where neither was
+    sought, the first None where that was not. `verdict` stands above the table, `title` and
+    `columns` in it, `flight_notes` below it, and `heads`, the setting, among the details; `facts`
+    are for JSON alone.
     """
 
     case: Any
@@ -59,7 +61,10 @@ class Compared:
     facts: dict[str, Any] = field(default_factory=dict)
 
     def both(self, values: Any) -> dict[str, Any]:
-        """Return the values of the flight and of its comparison, by name."""
+        """Return the values of the flight and of its comparison, by name.
+
+        `values`: the two in this order.
+        """
         return dict(zip(("flown", self.reference), values, strict=True))
 
     def show(self, shown: ShownCurves, more: bool) -> bool:
@@ -101,7 +106,10 @@ class Compared:
         return (*angle, *self.flight_notes, *self._ended(), *required)
 
     def _ended(self) -> Iterator[str]:
-        """Yield a note for each flight shown that leaves the range of its model in the wind."""
+        """Yield a note for each flight shown that leaves the range of its model in the wind.
+
+        That is a largest attitude [rad], one for the flight and one for its comparison.
+        """
         outcomes = zip(self.columns, self.flight.ranges, self.flight.ended, strict=False)
         for name, limit, ended in outcomes:
             if ended:
@@ -185,7 +193,11 @@ class Flying:
         return self.case.history
 
     def designed(self, plant: Plant) -> ReportControl | Law:
-        """Return the report's control, or the law designed on a plant, with dead band or gains."""
+        """Return the report's control, or the law designed on a plant, with dead band or gains.
+
+        A law is designed for the peak of the wind [rad] and the rate limit. `InputError` for a dead
+        band of a law that has none.
+        """
         one_of("--law", self.law, [REPORT, *LAWS])
         parameters: dict[str, Any] = {} if self.dead_band is None else {"dead_band": self.dead_band}
         if parameters and self.law not in (REPORT, DEAD_BAND):
@@ -200,7 +212,11 @@ class Flying:
 
 @dataclass(frozen=True, eq=False)
 class FlightCase(Flying):
-    """A flight, its linear boundary, and the minimum over all unstable poles [rad]."""
+    """A flight, its linear boundary, and the minimum over all unstable poles [rad].
+
+    `boundary`: smallest limit with which the control survives in linear theory. `minimum`: smallest
+    peak deflection of any control, with the wind known. `limit`: limit of the flight. All in rad.
+    """
 
     engine: str
     control: ReportControl | Law
@@ -253,7 +269,7 @@ def flight_case(
     `flying`: case, wind and law. `engine`: name of the engine. `condition`: altitude and specific
     impulse for parameters that vary in flight, None for frozen ones. `length`: its length [s].
     """
-    flying = replace(flying, case=replace(flying.case, model=""))
+    flying = replace(flying, case=replace(flying.case, model=""))  # empty: the default model
     plant, wind = flying.case.plant.rigid, flying.wind
     _check_flight(plant, wind, length)
     control = flying.designed(plant)
@@ -280,7 +296,7 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
     """Raise `InputError` for a flight that no solver follows, and for a vehicle without boundary.
 
     `length`: length of the flight [s]. A flight is watched for some time after its wind before it
-    is judged.
+    is judged. The fastest mode sets the steps of the solver.
     """
     if float(plant.coefficients.mu_alpha) <= 0.0:
         raise InputError(
@@ -345,9 +361,10 @@ def _flight_notes(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
             f"{np.degrees(case.minimum):.3f} deg is the minimum of any control by linear theory;"
             " with less a mode goes on growing, more slowly than this flight shows"
         )
-    if np.isfinite(flight.let_go[0]):
+    let_go, _ = flight.let_go  # of the flight, and of the linear theory [s]
+    if np.isfinite(let_go):
         yield (
-            f"the limit is let go at t = {flight.let_go[0]:.4g} s, as the attitude is back at zero"
+            f"the limit is let go at t = {let_go:.4g} s, as the attitude is back at zero"
             " or beyond; the flight, and what is largest in it, is shown until then"
         )
 

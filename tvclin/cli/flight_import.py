@@ -208,7 +208,8 @@ def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
 def _write(schedule: FlightSchedule, file: Path, output: Path, more: bool) -> None:
     """Write a schedule into the file `output`, and print its coefficients over time and its notes.
 
-    `file`: file that was read. `more`: whether all notes are printed.
+    `file`: file that was read. `more`: whether all notes are printed. Notes on single columns come
+    last. `InputError` where the output is the file that is read.
     """
     if exists(output) and exists(file) and output.samefile(file):
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
@@ -220,7 +221,7 @@ def _write(schedule: FlightSchedule, file: Path, output: Path, more: bool) -> No
 
 
 def _describes_column(note: str) -> bool:
-    """Return whether a note says where a column comes from, and no more."""
+    """Return whether a note says where a column comes from, and no more: "weight: ..."."""
     return note.partition(":")[0].isidentifier()
 
 

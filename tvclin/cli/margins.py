@@ -394,7 +394,11 @@ class _Answer:
 
 
 def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins:
-    """Return the flown margins of a case and its autopilot, sampled with a computer's delay."""
+    """Return the flown margins of a case and its autopilot, sampled with a computer's delay.
+
+    The hardware of the case is sample rate, delay, actuator and rate limit of the flights; its
+    deflection limit [rad] is the stop of the law.
+    """
     limit, law = case.nozzle.limit, SaturatedLaw.of(autopilot)
     assert limit is not None  # by --limit-deg
     return flown_margins(case.plant, law, case.history, limit=limit, **case.hardware)

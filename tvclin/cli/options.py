@@ -418,14 +418,16 @@ def with_gains(base: AutopilotDesign, **values: float | str | None) -> Autopilot
     """Return a design with the gains or the rule of options.
 
     Gains remove a rule and a rule removes gains; a named rule also removes parameters of another.
+    Both replace the gains of a schedule, whose filters stay. `values`: fields of the design; their
+    names alone decide what is removed.
     """
-    out: tuple[str, ...] = ()
+    removed: tuple[str, ...] = ()
     if values.keys() & {*GIVEN_GAINS, *RULE_KEYS} and base.schedule is not None:
         base = replace(base, schedule=replace(base.schedule, gains={}))
     if values.keys() & set(GIVEN_GAINS):
-        out = RULE_KEYS
+        removed = RULE_KEYS
     elif values.keys() & set(RULE_KEYS):
         rule_changes = "design" in values or base.design not in (None, *POLE_PLACEMENT_RULES)
-        out = (*GIVEN_GAINS, *(RULE_KEYS if rule_changes else ()))
-    changed: Any = dict.fromkeys(out) | values
+        removed = (*GIVEN_GAINS, *(RULE_KEYS if rule_changes else ()))
+    changed: Any = dict.fromkeys(removed) | values
     return replace(base, **changed)

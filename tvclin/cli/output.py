@@ -189,8 +189,9 @@ def _print_grid(
 ) -> None:
     """Print a table with columns of given widths, which rich chooses unless `fits`.
 
-    `headings`, `rows`: texts of the columns and of the cells by row. `prose`: whether each column
-    holds sentences, which are aligned to the left.
+    `headings`, `rows`: texts of the columns and of the cells by row. `widths`: width of each column
+    [characters]; `fits`: whether all of them have room in the terminal. `prose`: whether each
+    column holds sentences, which are aligned to the left, as is the first column.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table as Grid

@@ -67,7 +67,10 @@ def poles(
 
 
 def _fastest(model: str, modes: Modes) -> str:
-    """Return the fastest unstable pole of a model in words, with the doubling time."""
+    """Return the fastest unstable pole [1/s] of a model in words, with the doubling time.
+
+    That is ln(2) over its real part.
+    """
     poles = select_unstable(modes.poles)
     if not poles.size:
         return f"no unstable pole, model {model}"

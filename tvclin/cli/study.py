@@ -64,7 +64,7 @@ _GAINS = ("natural_frequency", "damping", "attitude_gain", "rate_gain")
 
 
 def _with_limit_shape(limit_shape: str | None, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with the limit shape of --limit-shape."""
+    """Return a plan with the limit shape of --limit-shape; unchanged for None."""
     return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
 
 
@@ -104,7 +104,8 @@ def study(
 
         announce(CURVES_SECONDS)
     with bar("answers") as progress:
-        findings = find(questioned(plan), progress, omitted=("flown",))  # of the page
+        # flown margins are of the page alone
+        findings = find(questioned(plan), progress, omitted=("flown",))
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 
@@ -140,7 +141,9 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     """Print the verdict, the boundaries or the answers to all questions, and notes.
 
     `source`: name of the vehicle or study file. `explain`: whether symbols and quantities are
-    explained. `more`: whether the details are printed, and all notes.
+    explained. `more`: whether the details are printed, and all notes. With several questions their
+    table is the answer, else that of the boundaries, with the required deflection below the
+    verdict, and the first table of turbulence.
     """
     s, several = findings.study, len(questions(findings)) > 1
     headline, wind = text(sentence(findings)), text(tables.requirement(s))

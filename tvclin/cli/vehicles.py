@@ -102,7 +102,11 @@ def _print_keys(file: Path | None) -> None:
 
 
 def _vehicle_of_flight(schedule: str, time: float | None) -> str:
-    """Return the text of a vehicle file for a flight schedule at a time [s]."""
+    """Return the text of a vehicle file for a flight schedule at a time [s].
+
+    A vehicle without a name is named after the file and the time. The altitude, if known, stands in
+    a comment, beside a specific impulse that the reader is to replace. `InputError` without a time.
+    """
     import numpy as np
 
     from tvclin.ascent.schedule_file import load_schedule, load_vehicle_at

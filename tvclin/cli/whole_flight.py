@@ -35,7 +35,8 @@ def flight_loop(
 ) -> FlightLoop:
     """Return the loop of a flight from the file `source` with soundings, by name.
 
-    `changes`: functions that put options over the plan of the file.
+    `changes`: functions that put options over the plan of the file. The design of the loop is that
+    over the flight, over which options of gains are put too.
     """
     loop = FlightLoop.of(load_sizing(source, soundings))
     for change in changes:

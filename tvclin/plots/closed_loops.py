@@ -113,6 +113,7 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     lines = [line for panel in drawn.lines.flat for line in panel]
     figure.suptitle(literal(f"Step of the attitude command: {VERDICTS[status]}\n{broken(words)}"))
     curves = _step_curves(response, f"{words}; {VERDICTS[status]}")
+    # final values of attitude and deflection; an unstable loop has none
     final = np.real(closed.dcgain()).ravel() if status == "ok" else np.full(2, np.nan)
     written = []
     for axes, (name, style), end in zip(panels, _STEP.items(), final, strict=True):

@@ -150,6 +150,7 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
     limits = np.linspace(0.0, _WIDER * max(float(largest), availability.limit), _LIMITS)
     azimuths = np.degrees(np.atleast_1d(availability.azimuth)).tolist()
     multiple = len(azimuths) > 1
+    # by limit, then by azimuth, of which a single one has no tuple: fraction with its interval
     parts = [
         by_azimuth if isinstance(by_azimuth, tuple) else (by_azimuth,)
         for by_azimuth in availability.curve(limits)

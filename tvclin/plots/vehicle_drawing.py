@@ -86,6 +86,9 @@ def sketch_c(
 ) -> "ControlPlot":
     """Draw sketch (c): the solution x of eq (C6) against y.
 
+    x = exp(-beta2 t_s), with the time t_s at which the control of least peak changes its sign; y =
+    beta1 D1/(beta2 D2), of two unstable poles with the demands D1 and D2 of the wind.
+
     Parameters
     ----------
     ratios : sequence of float
@@ -564,7 +567,9 @@ def _stations(vehicle: Vehicle) -> dict[str, float]:
 def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
     """Return the outlines of the body of a vehicle, and of its nozzle to both sides [m].
 
-    `limit`: deflection [rad] to which the nozzle is turned; None for a straight one.
+    `limit`: deflection [rad] to which the nozzle is turned; None for a straight one. The abscissa
+    is along the axis, forward of the centre of gravity; radius and nose are fractions of the length
+    between the outermost stations.
     """
     stations = _stations(vehicle)
     aft, fore = min(stations.values()), max(stations.values())
@@ -573,6 +578,7 @@ def _curves(vehicle: Vehicle, limit: float | None) -> Curves:
     shoulder = fore + _NOSE_OVER_LENGTH * length
     half = [(aft, radius), (shoulder, radius), (tip, 0.0)]
     drawn = {"body": [*half, *((x, -y) for x, y in reversed(half)), half[0]]}
+    # corners of the nozzle: distance ahead of the gimbal over its length, and over the body radius
     bell = [(0.0, 0.3), (-1.0, 0.8), (-1.0, -0.8), (0.0, -0.3)]
     for sign in (1.0,) if limit is None else (1.0, -1.0):
         angle = sign * (limit or 0.0)

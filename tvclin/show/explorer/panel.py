@@ -183,7 +183,10 @@ def _lines(axes: dict[str, "Axes"]) -> dict[str, Any]:
 
 
 def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
-    """Return abscissas [s] and ordinates [deg] of every line of an answer, by panel and name."""
+    """Return abscissas [s] and ordinates [deg] of every line of an answer, by panel and name.
+
+    A line without an answer is empty: two arrays of no numbers. The limit is drawn nevertheless.
+    """
     c, m, deg = answer.choices, answer.motion, np.degrees
     long = c.wind.duration
     nothing: tuple[Any, Any] = (np.zeros(0), np.zeros(0))
@@ -215,7 +218,7 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
     cut. `data`: result of `curves`.
     """
     c = answer.choices
-    limit, calm = float(np.degrees(c.limit)), c.wind.duration
+    limit, calm = float(np.degrees(c.limit)), c.wind.duration  # calm: end of the wind [s]
     time, attitude = (np.asarray(array) for array in data["attitude.attitude"])
     shown = [*np.abs(attitude[time <= calm]), *np.abs(data["attitude.wind"][1])]
     tall = round_up(min(_FRAME_OVER_ATTITUDE * max(shown, default=1.0), _MAX_ATTITUDE_DEG))

@@ -169,7 +169,7 @@ def _names(findings: Findings) -> dict[str, Any]:
 
 
 def _words(sections: str) -> str:
-    """Return the text of sections in HTML, with formulas as plain text."""
+    """Return the text of sections in HTML, with formulas as plain text, for the glossary."""
     from markupsafe import Markup
 
     spaced = re.sub(r'<math [^>]*alttext="([^"]*)".*?</math>', r" \1 ", sections)
@@ -298,7 +298,11 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> "Markup":
 
 
 def narrow(plot: "ControlPlot") -> None:
-    """Give the figure of a plot the width of a page's column, and put one legend below it."""
+    """Give the figure of a plot the width of a page's column, and put one legend below it.
+
+    Titles and minor ticks are removed. The legend has two columns, or one where these are wider
+    than the figure; numbers are placed anew, since the size has changed.
+    """
     figure = plot.figure
     panels = [axes for axes in np.ravel(plot.axes) if axes.axison]
     entries: dict[str, Any] = {}
@@ -328,4 +332,4 @@ def narrow(plot: "ControlPlot") -> None:
             break
         legend.remove()
     place_numbers(*panels)
-    figure.set_layout_engine(None)  # its layout was computed for this
+    figure.set_layout_engine(None)  # the layout was computed to place the numbers, and stays
