@@ -81,7 +81,10 @@ def _registered(name: str, command: Any) -> Any:
 
 
 def _named(command: Any) -> Any:
-    """Return a command, and those below it, whose messages name options, not arguments."""
+    """Return a command, and those below it, whose messages name options, not arguments.
+
+    The command itself is changed: its callback first refuses a key of --set beside its own option.
+    """
     for below in getattr(command, "commands", {}).values():
         _named(below)
     run, options = command.callback, command.params

@@ -162,7 +162,10 @@ def _interval(
 
 
 def _split(text: str) -> tuple[str, tuple[float, float], bool]:
-    """Return key and two ends of a value `text` of --box, and whether they are in percent."""
+    """Return key and two ends of a value `text` of --box, and whether they are in percent.
+
+    `InputError` for another form than KEY=LO..HI, and for percent at one end alone.
+    """
     key, equals, ends = text.partition("=")
     low, dots, high = (end.strip() for end in ends.partition(".."))
     if not equals or not dots:

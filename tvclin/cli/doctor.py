@@ -49,7 +49,11 @@ def _row(extra: str, versions: dict[str, str | None]) -> list[str]:
 
 
 def _requirements() -> tuple[list[str], dict[str, list[str]]]:
-    """Return the required packages, and the packages of each extra."""
+    """Return the required packages, and the packages of each extra, from the installed metadata.
+
+    A requirement begins with the name of its package, and ends with its extra if it has one; the
+    extra "all", of all others, is left out.
+    """
     packages: list[str] = []
     extras: dict[str, list[str]] = {}
     for requirement in metadata.requires("tvclin") or []:

@@ -408,7 +408,9 @@ class AutopilotFlight:
     def _print(self, more: bool) -> None:
         """Print the verdict, the flight with a limit or else the deflections, and notes.
 
-        `more`: whether the details are printed, and all notes.
+        `more`: whether the details are printed, and all notes. With a limit the verdict is on that,
+        and the flight comes first; without one it is the autopilot requirement, and the comparison
+        of the loop with trim comes first.
         """
         stable, tables = self.compared.margins.stable, []
         if stable:

@@ -212,7 +212,11 @@ def _print_grid(
 
 
 def _print_quantities(title: str, rows: Sequence[Sequence[str]]) -> None:
-    """Print names and values (`rows`) below a title, side by side where there are many."""
+    """Print names and values (`rows`) below a title, side by side where there are many.
+
+    They are in as many pairs of columns as the terminal has room for, at most
+    `_MAX_PAIRS_ACROSS`.
+    """
     from rich.console import Console
     from rich.table import Table as Grid
     from rich.text import Text
@@ -303,7 +307,10 @@ def lines(what: str) -> Progress:
     first: tuple[float, float] | None = None
 
     def tell(done: float, total: float) -> None:
-        """Print the fraction of the work that is done, of a total."""
+        """Print the fraction of the work that is done, of a total, unless a line is recent.
+
+        Nothing is printed before the work begins and when it is complete.
+        """
         nonlocal first, last
         now = monotonic()
         first = first or (now, done)

@@ -351,7 +351,10 @@ def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set
 
 
 def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
-    """Return the options that may give each argument, the option of the same name first."""
+    """Return the options that may give each argument, the option of the same name first.
+
+    Arguments have the names of options without units; `_ARGUMENTS` has those of other names.
+    """
     by_name: dict[str, list[str]] = {}
     others: dict[str, list[str]] = {}
     for option in options:

@@ -222,7 +222,10 @@ class FlightOptions(PulseOptions):
         return requests
 
     def at_one_time(self, source: str) -> WindOptions:
-        """Return the options of a wind at a single flight time. `source`: file of the case."""
+        """Return the options of a wind at a single flight time. `source`: file of the case.
+
+        `InputError` for several soundings, and for a sounding beside a wind of --set.
+        """
         files = self.winds or []
         for key in keys_set(source) if files else ():
             if key.partition(".")[0] == "wind":

@@ -193,7 +193,10 @@ def _frame_nichols(
 
 
 def _draw_contours(axes: Axes) -> None:
-    """Draw the contours of |T|, T = L/(1 + L), into each turn of the axes of a Nichols chart."""
+    """Draw the contours of |T|, T = L/(1 + L), into each turn of the axes of a Nichols chart.
+
+    On a contour L = T/(1 - T), whose phase [deg] is from -360 to 0, plus whole turns.
+    """
     angle = np.radians(np.linspace(-359.75, -0.25, 2000))[:, np.newaxis]
     closed = 10.0 ** (_GRID_DECIBELS / 20.0) * np.exp(1j * angle)
     loop = closed / (1.0 - closed)

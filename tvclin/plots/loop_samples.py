@@ -206,7 +206,10 @@ def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> N
 
 
 def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
-    """Return the description of the loop of an autopilot around a plant, in one line."""
+    """Return the description of the loop of an autopilot around a plant, in one line.
+
+    It has gains, number of filters, actuator, delay and sample rate, as far as there are any.
+    """
     if isinstance(autopilot, SystemAutopilot):
         return f"{plant.name or plant.model}, {autopilot.description}"
     terms = [autopilot.gains_text]

@@ -149,7 +149,10 @@ def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None
 
 
 def _write_notes(axes: "Axes", columns: Sequence[Column]) -> None:
-    """Write the notes of the curves `columns` in the lower right corner of the axes of a panel."""
+    """Write the notes of the curves `columns` in the lower right corner of the axes of a panel.
+
+    Curves with the same note share it, below their labels.
+    """
     notes: dict[str, list[str]] = {}
     for column in columns:
         if column.note:
@@ -461,7 +464,10 @@ class _Obstacles:
 
 
 def _write(axes: "Axes", mark: Mark) -> None:
-    """Write the number of a mark next to it into axes, with a leader."""
+    """Write the number of a mark next to it into axes, with a leader.
+
+    Its place, up and to the right, is a first one: `place_numbers` moves it.
+    """
     note = axes.annotate(
         mark.text,
         (mark.x, mark.y),

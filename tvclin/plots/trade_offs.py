@@ -277,12 +277,15 @@ def laws_chart(
 
 
 def _smooth(line: Line2D) -> None:
-    """Replace a line by a monotone cubic through its points, with marks at the points."""
+    """Replace a line by a monotone cubic through its points, with marks at the points.
+
+    A line of fewer than three points, or with a gap where there is no boundary, is unchanged.
+    """
     from scipy.interpolate import PchipInterpolator
 
     x, y = (np.asarray(values, dtype=float) for values in line.get_data())
     finite = np.isfinite(y)
-    if finite.sum() < x.size or x.size < 3:  # where there is no boundary the line is broken
+    if finite.sum() < x.size or x.size < 3:
         return
     fine = np.unique([*x, *np.linspace(x[0], x[-1], _FINE)])
     line.set_data(fine, PchipInterpolator(x, y)(fine))

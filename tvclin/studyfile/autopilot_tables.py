@@ -63,7 +63,10 @@ def planes_line(findings: Findings) -> Line:
 
 
 def failure(findings: Findings) -> Line:
-    """Return the reason why the flight of findings with the limit has no margins, as a line."""
+    """Return the reason why the flight of findings with the limit has no margins, as a line.
+
+    It is a requirement above the limit, or else the message of the computation.
+    """
     required, limit = _nominal_requirement(findings), findings.study.limit
     if limit is None or not required > limit:
         return (findings.reasons["flown"],)

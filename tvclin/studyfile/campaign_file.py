@@ -137,7 +137,9 @@ def template() -> str:
 def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
     """Return the campaign of a document; `folder`: where the files that it names are.
 
-    `document`: tables of the file by name. Exceptions as `load_campaign`.
+    `document`: tables of the file by name. Exceptions as `load_campaign`. In a pulse the default
+    dispersions are assumed where the file has none. With ``along = true`` the cases fly along the
+    whole flight, and the output is that flight.
     """
     subject = subject_of(document, folder)
     if PLANT_TABLE.name in document:
@@ -359,7 +361,8 @@ def is_rigid(document: Mapping[str, Any]) -> bool:
 def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     """Raise `InputError` for all faults in the tables of a document, a line for each fault.
 
-    `folder`: where the files that the document names are.
+    `folder`: where the files that the document names are. Faults are a key outside all tables, an
+    unknown table, keys and values of single tables, winds, and dispersions.
     """
     faults = Faults()
     with faults.kept():

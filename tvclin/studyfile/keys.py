@@ -224,7 +224,7 @@ def all_keys() -> tuple[Key, ...]:
 
 
 def key_tables() -> list[Table]:
-    """Return a table of the keys of each table of a file."""
+    """Return a table of the keys of each table of a file; a key is named TABLE.KEY."""
     homes = dict.fromkeys(key.name.rpartition(".")[0] for key in all_keys())
     return [
         words(
@@ -237,7 +237,11 @@ def key_tables() -> list[Table]:
 
 
 def column_tables() -> list[Table]:
-    """Return tables of the columns of CSV files: of a flight, of its structure, and of gains."""
+    """Return tables of the columns of CSV files: of a flight, of its structure, and of gains.
+
+    They have the names of the keys without their tables; a filter of a table of gains has the
+    number N in its columns.
+    """
     vehicle = [
         key
         for key in all_keys()

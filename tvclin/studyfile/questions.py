@@ -191,7 +191,10 @@ def _in_linear_range(findings: Findings) -> Iterator[Question]:
 
 
 def _answered(findings: Findings) -> Iterator[Question]:
-    """Yield the questions of findings, each with the answer of its own function."""
+    """Yield the questions of findings, each with the answer of its own function.
+
+    Most compare a limit, and are left out without one; those on margins need none.
+    """
     limit = findings.study.limit
     if limit is not None:
         yield _wind(findings)

@@ -160,7 +160,10 @@ def load_sizing(
 
 
 def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
-    """Return the name or the file of the vehicle of a study file; another source unchanged."""
+    """Return the name or the file of the vehicle of a study file; another source unchanged.
+
+    The vehicle stands in [study] or in [campaign]. `InputError` where it is a table of numbers.
+    """
     document, name = source_tables(source), read_vehicle_text(source)[1]
     vehicles = [
         document[table]["vehicle"]
@@ -209,7 +212,10 @@ def _flight_of_a_vehicle(
 
 
 def is_flight(source: str | PathLike[str]) -> bool:
-    """Return whether a source is a flight schedule, or a study of one without a time."""
+    """Return whether a source is a flight schedule, or a study of one without a time.
+
+    A study with a flight time, or with the numbers of its vehicle, is of a single time.
+    """
     document = source_tables(source)
     tables = [document.get(table, {}) for table in ("study", "campaign")]
     if any("time_s" in keys or isinstance(keys.get("vehicle"), dict) for keys in tables):

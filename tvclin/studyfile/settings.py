@@ -123,7 +123,10 @@ def with_settings(source: str, settings: Iterable[tuple[str, str]]) -> str:
 
 
 def quantity_name(key: str) -> str:
-    """Return the name of a key with its table, without its row and its unit."""
+    """Return the name of a key with its table, without its row and its unit.
+
+    As wind.peak of wind.2.peak_deg; of a filter autopilot.filter. An unknown key is unchanged.
+    """
     parts = key.split(".")
     table = _ALL_TABLES.get(parts[0])
     if table is None or len(parts) == 1:

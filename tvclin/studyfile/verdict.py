@@ -98,7 +98,10 @@ def _named(others: Sequence[Question]) -> Line:
 
 
 def _required(study: Study) -> Line:
-    """Return the verdict on a study without a limit: the required deflection of its wind."""
+    """Return the verdict on a study without a limit: the required deflection of its wind.
+
+    It is zero where no unstable pole is excited, and infinite where no limit is sufficient.
+    """
     need = study.required_deflection
     if reason := study.beyond_linear or study.unknown:
         return (f"{sufficiency(None)}: {reason}",)
@@ -323,7 +326,11 @@ def unjudged_values(findings: Findings) -> Iterator[Question]:
 
 
 def _modes(margins: BandMargins) -> Iterator[Question]:
-    """Yield the modes with the smallest gain and phase margins, as a question without an answer."""
+    """Yield the modes with the smallest gain and phase margins, as a question without an answer.
+
+    A gain-stabilised mode stays below unit loop gain at every phase; a phase-stabilised one exceeds
+    it, with a phase margin.
+    """
     gains = [mode for mode in margins.modes if mode.stabilised == GAIN]
     phases = [mode for mode in margins.modes if mode.stabilised == PHASE]
     line: Line = ()

@@ -358,7 +358,11 @@ def _rule(design: AutopilotDesign) -> str:
 
 
 def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
-    """Return the autopilot design of the values `v` of the controls; `design`: that of the file."""
+    """Return the autopilot design of the values `v` of the controls; `design`: that of the file.
+
+    Numbers of a rule stay while the rule is that of the file. Added gains stay always, filters
+    where their switch is on.
+    """
     rule, chains = v["design"], design.chains if v["filters"] else {}
     gains: Any = {"design": rule}
     if rule == OWN:
@@ -526,7 +530,10 @@ def _added_gains(design: AutopilotDesign) -> Table:
 
 
 def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
-    """Return the tables of a study file for the autopilot of the choices."""
+    """Return the tables of a study file for the autopilot of the choices.
+
+    Filters are written as fractions of polynomials, highest power first.
+    """
     design = choices.plan.autopilot_design
     table = {
         "design": design.design,

@@ -78,7 +78,10 @@ class Picture:
     _empty: Any = None
 
     def png(self, answer: Answer) -> bytes:
-        """Return the picture of an answer as PNG; parts without an answer stay empty."""
+        """Return the picture of an answer as PNG; parts without an answer stay empty.
+
+        Curves are cut at `_MAX_OVER_FRAME` times the top of their panel.
+        """
         from PIL.Image import fromarray
 
         data = curves(answer)
@@ -130,7 +133,11 @@ class Picture:
 
 
 def new_picture() -> Picture:
-    """Return an empty picture, without pyplot."""
+    """Return an empty picture, without pyplot.
+
+    The boundary stands at the left, attitude above deflection at the right. Labels have fixed
+    places, since matplotlib's search for them takes long.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -163,7 +170,11 @@ def new_picture() -> Picture:
 
 
 def _lines(axes: dict[str, "Axes"]) -> dict[str, Any]:
-    """Return the empty lines in axes by name, to be set by each answer; `axes`: panels by name."""
+    """Return the empty lines in axes by name, to be set by each answer; `axes`: panels by name.
+
+    A name is the panel and the line in it, as in "boundary.limit". An animated line is drawn by
+    `Picture.png` alone.
+    """
     edge = {"color": WARM, "ls": "--", "lw": 1.4}
     looks: dict[str, dict[str, Any]] = {
         "boundary.curve": {"color": COLOURS[0], "lw": 2.0},
@@ -259,7 +270,10 @@ class Panel:
     """
 
     def __init__(self, source: str | Vehicle) -> None:
-        """Make the controls and the figure for a source: a vehicle, its name, or a file."""
+        """Make the controls and the figure for a source: a vehicle, its name, or a file.
+
+        The vehicles of the package are offered too, each with the file that a study names.
+        """
         widgets = _widgets()
         first, plan, named = _opened(source)
         self._base = with_numerical_gains(plan)

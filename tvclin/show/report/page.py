@@ -208,7 +208,10 @@ def _environment() -> "Environment":
 
 @cache
 def _templates() -> "Environment":
-    """Return the environment of the templates, each of which is compiled once."""
+    """Return the environment of the templates, each of which is compiled once.
+
+    Text is escaped, an unknown name is an error, and templates call `show` for the parts of a page.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
