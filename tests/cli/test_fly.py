@@ -289,6 +289,13 @@ def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
     assert flown["survived"] is True
 
 
+def test_a_note_on_what_is_not_counted_names_a_command_that_answers_for_the_wind():
+    options = ("--law", "all", "--set", "nozzle.limit_deg=1")
+    assert "not counted here: limit (tvclin study counts it)" in run(*options).stderr
+    sounding = ("--winds", SOUNDING, "--azimuth-deg", 90)
+    assert "not counted here: limit (tvclin ascent counts it)" in run(*options, *sounding).stderr
+
+
 def test_a_sounding_is_chosen_by_its_time():
     """And where none is chosen of several, that is said."""
     sounding = ["--winds", SOUNDING, "--azimuth-deg", "90", "--json"]

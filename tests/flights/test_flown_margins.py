@@ -363,7 +363,9 @@ def test_what_cannot_have_margins_is_refused():
     stable = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=-0.2, mu_delta=1.0))
     batch = tv.Plant.from_coefficients(tv.Coefficients(mu_alpha=[0.2, 0.3], mu_delta=1.0))
     words = {
-        "it needs 0.6887 of trim, has 0.6": {"limit": 0.6 * TRIM},
+        f"needs {np.degrees(0.6887 * TRIM):.3f}.* got {np.degrees(0.6 * TRIM):.4g} deg": {
+            "limit": 0.6 * TRIM
+        },
         "a mode of this loop grows with": {"plant": drifting, "law": tv.TrimLaw(drifting)},
         "law must be without rate_noise": {"law": noisy},
         "sample_rate": {"sample_rate": None},
@@ -372,7 +374,7 @@ def test_what_cannot_have_margins_is_refused():
         "wind must end": {"wind": tv.linear.ConstantDeflection(limit=0.05)},
         "delay must be zero or positive": {"delay": -0.1},
         "limit must be positive": {"limit": 0.0},
-        "it needs more than 2 of trim, has 0.9": {"rate_limit": np.radians(0.01)},
+        f"needs more than {np.degrees(2.0 * TRIM):.4g} deg; got": {"rate_limit": np.radians(0.01)},
     }
     for said, changed in words.items():
         with pytest.raises(tv.InputError, match=said):

@@ -110,6 +110,9 @@ _RIGID_NUMBERS: dict[str, str] = {
 }
 """Numbers of a result that are computed for the rigid vehicle, by question."""
 QUESTIONS = tuple(_REFUSED)
+_OF_PULSES = ("study", "nozzle --over flight")
+_OF_SOUNDINGS = ("ascent", "disperse", "nozzle --over flight")
+"""Questions that together compute every feature: of a wind of one shape, and of a sounding."""
 
 
 def use_of(question: str, feature: str) -> str:
@@ -179,11 +182,20 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
         for feature in (*_REFUSED.get(question, ()), *_OMITTED_BY_OPTIONS.get(question, ()))
     }
     named = _specified_features(case, omitted, tables)
-    duty_command = "nozzle --over flight"
-    for who, parts in (("study", set(named) - {_WORK}), (duty_command, set(named) & {_WORK})):
-        if parts:
-            of = listed([feature for feature in named if feature in parts])
-            yield f"not counted here: {of} (tvclin {who} counts it)"
+    counting: dict[str, list[str]] = {}
+    for feature in named:
+        counting.setdefault(_counting_question(case, feature), []).append(feature)
+    for question, features in counting.items():
+        yield f"not counted here: {listed(features)} (tvclin {question} counts it)"
+
+
+def _counting_question(case: Case, feature: str) -> str:
+    """Return the first question that computes a feature of a case, of those for its wind.
+
+    The study is of a wind of one shape; a sounding is answered along its flight.
+    """
+    questions = _OF_PULSES if isinstance(case.wind, ShapedWind) else _OF_SOUNDINGS
+    return next(question for question in questions if use_of(question, feature) == COMPUTED)
 
 
 def is_rigid_only(question: str) -> bool:

@@ -339,7 +339,7 @@ def pulse_of(case: Case) -> ShapedWind:
     if not isinstance(case.wind, ShapedWind):
         raise InputError(
             "a study needs a wind of one shape, a [wind] with a peak and no sounding or file;"
-            " tvclin ascent and fly take soundings"
+            " tvclin ascent or tvclin fly answers for a sounding"
         )
     return case.wind
 

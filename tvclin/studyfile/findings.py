@@ -217,9 +217,11 @@ def find(
     `progress` is called with results done and in total.
 
     A result that is not defined for this vehicle, such as margins of laws for a stable vehicle,
-    has its reason in place of an answer. `InputError` as `StudyPlan.study`, and for turbulence of
-    an altitude that is not known.
+    has its reason in place of an answer. `InputError` as `StudyPlan.study`, for gains that exclude
+    or lack each other, and for turbulence of an altitude that is not known.
     """
+    if plan.design is not None and plan.design.schedule is None:
+        plan.design.check_gains()
     if plan.turbulence is not None and plan.sizing is None:
         _ = plan.turbulence.at()  # refuses an intensity over altitude without an altitude
     messages: list[str] = []

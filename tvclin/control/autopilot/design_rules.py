@@ -229,6 +229,17 @@ class AutopilotDesign:
             **self.chains,
         }
 
+    def check_gains(self) -> None:
+        """Raise `InputError` for gains beside a rule, and for a gain without those it needs."""
+        if all(getattr(self, name) is None for name in GIVEN_GAINS):
+            return
+        if any(getattr(self, name) is not None for name in RULE_PARAMETERS):
+            raise errors.InputError(
+                "give gains or a rule for them (design, natural_frequency), not both"
+            )
+        if self.attitude_gain is None or self.rate_gain is None:
+            raise errors.InputError("gains of your own need attitude_gain and rate_gain, both")
+
     def autopilot(self, plant: Plant, actuator: Actuator | None = None) -> Autopilot:
         """Return the autopilot for a plant, with the actuator of its nozzle.
 
@@ -247,15 +258,9 @@ class AutopilotDesign:
         if self.schedule is not None:
             raise errors.InputError("a schedule of gains and a notch at a mode need a flight")
         options = self.options(actuator)
-        rule = [getattr(self, name) for name in RULE_PARAMETERS]
-        if all(getattr(self, name) is None for name in GIVEN_GAINS):
+        self.check_gains()
+        if self.attitude_gain is None or self.rate_gain is None:  # and no gain is given, as checked
             return _by_rule(plant, self, options)
-        if any(number is not None for number in rule):
-            raise errors.InputError(
-                "give gains or a rule for them (design, natural_frequency), not both"
-            )
-        if self.attitude_gain is None or self.rate_gain is None:
-            raise errors.InputError("gains of your own need attitude_gain and rate_gain, both")
         return Autopilot(
             attitude_gain=self.attitude_gain,
             rate_gain=self.rate_gain,

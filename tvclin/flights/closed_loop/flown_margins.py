@@ -316,12 +316,12 @@ def flown_margins(
     winds = winds_with_stops(wind, cuts, length)
     flights = _Flights(plant, law, winds, {"deflection_limit": level, **options})
     if flights.survive("gain_rise", np.ones(1))[0] != SURVIVED:
-        required = (
-            f"{boundary.limit:.4g}" if boundary.limit < np.inf else f"more than {highest:.4g}"
-        )
+        known = boundary.limit < np.inf
+        required_deg = np.degrees(scale * (boundary.limit if known else highest))
         raise InputError(
-            "limit must be one with which the unchanged flight survives: it needs"
-            f" {required} of trim, has {ratio:.4g}"
+            "limit must be one with which the unchanged flight survives: this needs"
+            f" {'' if known else 'more than '}{required_deg:.4g} deg; got {np.degrees(level):.4g}"
+            " deg"
         )
     linear = _linear_margins(flight, pole)
     margins = {name: _margin(flights, name, linear[name], pole) for name in CHANGES}
