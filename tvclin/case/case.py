@@ -264,7 +264,8 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     A wind without a gust, or with a gust that has a time, is returned unchanged. The time maximises
     `open_loop_requirements` of the plant with a dead band K from the beginning of the wind to its
     end, by a scan that is refined between the neighbours of its maximum. A gust that opposes the
-    wind, or one for which no limit is defined, stays in the middle.
+    wind, or one for which no limit is defined, stays in the middle. `plant`: for a batch the wind
+    is returned unchanged. `dead_band`: K, the vehicle is trimmed up to K times the limit.
     """
     gust = wind.gust
     if gust is None or wind.gust_at is not None:
@@ -278,6 +279,7 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     def required(time: FloatArray) -> FloatArray:
         """Return the required deflections [rad] with the gust at times [s], in their shape."""
         gusty = wind_without_gust + gust.shift(time - middle)
+        # Literal: the switch compares the trim deflection itself with K times the limit.
         boundary = boundary_limit(plant, gusty, K, "literal")
         return np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
 

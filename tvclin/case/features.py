@@ -118,6 +118,7 @@ _OF_SOUNDINGS = ("ascent", "disperse", "nozzle --over flight")
 def use_of(question: str, feature: str) -> str:
     """Return the use of a feature of a case by a question: `COMPUTED`, `NOTED` or `REFUSED`.
 
+    Computed, it changes the result; noted, a note says that it is omitted; refused, it is an error.
     `InputError` for an unknown question or feature.
     """
     one_of("question", question, QUESTIONS)

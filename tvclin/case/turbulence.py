@@ -117,7 +117,10 @@ class TurbulenceRequest:
 
     @property
     def factor(self) -> float:
-        """Number of standard deviations that count on top of the response to the wind."""
+        """Number of standard deviations that count on top of the response to the wind.
+
+        Of a probability P it is the normal quantile of (1 + P)/2, for both sides of the response.
+        """
         if self.probability is None:
             return _USUAL_SIGMAS if self.sigmas is None else self.sigmas
         from scipy.special import ndtri  # late: scipy takes long to import

@@ -130,7 +130,7 @@ class GainProblem:
         if self.actuator is not None:
             frequencies.append(float(np.max(self.actuator.natural_frequency)))
         if self.delay:
-            frequencies.append(0.5 * np.pi / self.delay)
+            frequencies.append(0.5 * np.pi / self.delay)  # with 90 degrees of lag
         return min(frequencies)
 
     @property

@@ -437,8 +437,9 @@ def limit_warnings(trials: Sequence[LawTrial]) -> list[str]:
 def _limit(key: str, trial: LawTrial, scale: float) -> Line:
     """Return the cell of a trial's boundary times `scale`: a number, or "<" or ">" a tried limit.
 
-    `key`: key of the number. ``*`` marks a boundary below which some limits survive as well, ``!``
-    one with a reservation.
+    `trial`: its boundary, and the lowest and highest limit that were tried, over trim. `key`: key
+    of the number. ``*`` marks a boundary below which some limits survive as well, ``!`` one with a
+    reservation.
     """
     shown = number_cell(key, scale * trial.limit)
     if trial.limit > trial.highest:

@@ -209,6 +209,7 @@ def _check_samples(
     times winds, complete and with sudden ends, of a case at each rate limit; each is flown with all
     deflection limits of `closed_loop_boundary`, and for its whole duration.
     """
+    # Limits of the scan, and of the finer steps above an edge of losses.
     limits = STEPS + 1 + LEVELS * ABOVE * PARTS
     samples = 0.0
     for key, case in cases.items():

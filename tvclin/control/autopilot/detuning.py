@@ -155,7 +155,10 @@ class Detuned:
 
 
 def _margin_label(name: str) -> str:
-    """Return the heading of a margin by its name; "bending 1, gain" for a margin of a mode."""
+    """Return the heading of a margin by its name; "bending 1, gain" for a margin of a mode.
+
+    `name`: of `Margins`, or with " of " and the name of a mode; "unstable" becomes capitals.
+    """
     margin, _, mode = name.partition(" of ")
     if mode:
         return f"{mode}, {'gain' if 'gain' in margin else 'phase'}"

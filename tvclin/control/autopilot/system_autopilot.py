@@ -159,6 +159,7 @@ class SystemAutopilot(Autopilot):
         """Return order and inputs of the controller, actuator, delay and samples, as rows."""
         order = significant("controller.order", len(self.system.states), 4)
         rows = super().rows()
+        # The rows ahead of that of the actuator are of gains, which a controller does not have.
         first = next(k for k, row in enumerate(rows) if row[0] == "actuator")
         inputs = ("controller inputs", (", ".join(self.system.inputs),))
         return [("controller order", order), inputs, *rows[first:]]

@@ -103,6 +103,7 @@ class Law(Record, ABC):
     def state_space(self) -> LinearSystem:
         """State space from the measurements, `LAW_INPUTS`, to the law's states."""
         F, G = self.states
+        # The states follow no lateral sensors, the last inputs.
         G = np.pad(G, ((0, 0), (0, len(LAW_INPUTS) - G.shape[1])))
         names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
         return LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), LAW_INPUTS, names, names)

@@ -280,7 +280,9 @@ def _judge(criterion: Criterion, margins: Margins) -> Judgement:
 def _judge_mode(criterion: Criterion, loop: Margins, mode: ModeBand) -> Judgement:
     """Return the judgement by `criterion` of a margin of one `mode` of a `loop`, or of a batch.
 
-    Where the mode has no such margin, as it is stabilised otherwise, the surplus is infinite.
+    Where the mode has no such margin, as it is stabilised otherwise, its value is NaN and the
+    surplus infinite; both are NaN, and it is not satisfied, where the loop is not stable. `loop`:
+    margins of the whole loop.
     """
     value = np.asarray(getattr(mode, _MODE_MARGINS[criterion.margin]), dtype=float)
     value = np.where(loop.stable, value, np.nan)

@@ -490,12 +490,15 @@ class SampledLoop(Loop):
         return high
 
     def s_to_w(self, s: AnyArray) -> AnyArray:
-        """Return w = (2/h) tanh(s h/2) of s ``(k, m)`` [1/s]."""
+        """Return w = (2/h) tanh(s h/2) of `s` ``(k, m)`` [1/s], h being the sample period [s]."""
         half = 0.5 * self.period.reshape(-1, 1)
         return np.tanh(s * half) / half
 
     def w_to_s(self, w: AnyArray) -> AnyArray:
-        """Return s = (2/h) artanh(w h/2) ``(k, m)`` [1/s], on the branch nearest to zero."""
+        """Return s = (2/h) artanh(w h/2) ``(k, m)`` [1/s], on the branch nearest to zero.
+
+        h: sample period [s] of each of k loops. `w`: ``(k, m)`` [1/s].
+        """
         half = 0.5 * self.period.reshape(-1, 1)
         return np.arctanh(np.asarray(w, complex) * half) / half
 

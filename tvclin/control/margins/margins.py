@@ -192,7 +192,10 @@ float or ndarray
 
     @property
     def disk_margin_dB(self) -> Any:
-        """Gain change in dB, up or down, within the disk."""
+        """Gain change in dB, up or down, within the disk: (2 + alpha)/(2 - alpha) as a factor.
+
+        alpha: the disk margin; infinite for 2 and more.
+        """
         alpha = np.asarray(self.disk_margin)
         with np.errstate(divide="ignore"):
             return decibels((2.0 + alpha) / np.maximum(2.0 - alpha, 0.0))

@@ -93,7 +93,8 @@ class VaryingLoop:
             """Return row, direct term and rate of an `output` at the times."""
             row, direct, rate = self._nodes.signal(output)
             if rate is not None:
-                rate = varying(rate[0] + self._slopes(row)), varying(rate[1])
+                rate_row, rate_direct = rate
+                rate = varying(rate_row + self._slopes(row)), varying(rate_direct)
             return Signal(varying(row), varying(direct), rate)
 
         return {output: signal(output) for output in self.labels}

@@ -194,6 +194,7 @@ class LoopCovariance(GaussianOutputs):
         """
         from scipy.special import ndtri  # late: scipy takes long to import
 
+        # The size of a Gaussian number is below its quantile on both sides, hence (1 + P)/2.
         return self.rms(output) * float(ndtri(0.5 + 0.5 * fraction("probability", probability)))
 
     def mean_absolute_rate(self, output: str = DEFLECTION) -> float:
