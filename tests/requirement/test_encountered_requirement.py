@@ -548,3 +548,15 @@ def least_size(reach, demand) -> float:
     )
     assert most.status == 0, most.message
     return float(unit / most.x[-1])
+
+
+def test_a_vehicle_that_no_deflection_holds_survives_a_peak_of_next_to_nothing(
+    configuration_i,
+) -> None:
+    """Its mass in tonnes: the wind turns it by 1e100 deg, and no factor on the wind is searched."""
+    light = configuration_i.replace(weight=1e-3 * configuration_i.weight)
+    wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5)
+    case = tv.Case(vehicle=light, wind=wind, nozzle=tv.Nozzle(limit=0.01))
+    study = tv.Study.of(case)
+    assert study.required_deflection > 1e20
+    assert 0.0 <= abs(study.survivable_peak) < 1e-9

@@ -119,9 +119,11 @@ def test_a_wrong_file_is_refused_in_one_sentence(change: tuple[str, str], names:
 def test_unreadable_sources_are_refused_in_one_sentence(tmp_path: Path) -> None:
     empty, binary = tmp_path / "empty.toml", tmp_path / "binary.toml"
     empty.write_text("")
+    (tmp_path / "empty.csv").write_text("")
     binary.write_bytes(bytes(range(256)))
     for source, names in [
-        (empty, "is empty"),
+        (empty, "is empty; write one with"),
+        (tmp_path / "empty.csv", "is empty; tvclin init --keys lists the columns"),
         (binary, "UTF-8"),
         (tmp_path, "is a directory"),
         (tmp_path / "none.toml", "does not exist"),

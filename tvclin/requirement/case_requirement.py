@@ -31,6 +31,8 @@ from tvclin.winds.wind_angles import FROZEN, MAX_LINEAR_ANGLE, beyond_linear
 
 _SIZE_TOLERANCE = 1e-9
 """Tolerance of the logarithm of a factor on the wind."""
+_MIN_SIZE = 1e-9
+"""Factor on the wind up to which the requirement is proportional to it, as at nominal pressure."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +257,7 @@ class CaseRequirement:
             sufficient = None if covers(limit, needed) else False
             return {"sufficient": sufficient, "survivable_peak": None}
         size = limit / needed if needed else np.inf
-        if not self.at_nominal_pressure and 0.0 < size < np.inf:
+        if not self.at_nominal_pressure and _MIN_SIZE < size < np.inf:
             largest = MAX_LINEAR_ANGLE / self.wind_angle
             size = survived_size(limit, needed, self.required_at, largest)
         bound = self.peak_bound
