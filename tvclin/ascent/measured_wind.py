@@ -87,7 +87,8 @@ class FlightWind(wind_angles.NominalWind):
 
         q/q_n is the dynamic pressure over the nominal one.
         """
-        return self.speeds.encountered(self.plane, super().at(times)[0], times)
+        nominal, _ = super().at(times)
+        return self.speeds.encountered(self.plane, nominal, times)
 
     def between(self, start: float, stop: float) -> FlightWind:
         """Return the wind from a start to a stop time [s], zero before and after."""

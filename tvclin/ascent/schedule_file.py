@@ -186,7 +186,10 @@ def _from_rows(
 
 
 def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
-    """Return the rows without those at rest before the flight, and a note on these."""
+    """Return the rows without those at rest before the flight, and a note on these.
+
+    All rows, without a note, if the first moves or none does.
+    """
     speeds = [
         key for key, (name, _) in vehicle_file.VEHICLE_TABLE.keys.items() if name == "velocity"
     ]
@@ -228,6 +231,7 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
     )
     if not np.all(np.diff(times) > 0.0):
         return rows
+    # the key of the rate, with its unit
     (key,) = vehicle_file.VEHICLE_TABLE.write({"inertia_rate": 0.0})
     rates = np.gradient(inertias, times).tolist()
     return [(label, row | {key: rate}) for (label, row), rate in zip(rows, rates, strict=True)]

@@ -51,7 +51,8 @@ def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
     if case.heading is not None:
         if case.sign is not None:
             raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
-        along = _heading_cosines(case.heading)[0] * float(np.sign(getattr(case.wind, "peak", 1.0)))
+        along, _ = _heading_cosines(case.heading)
+        along *= float(np.sign(getattr(case.wind, "peak", 1.0)))  # a negative peak reverses it
         return (CROSS if along == 0.0 else next(k for k, s in SIGNS.items() if s * along > 0.0),)
     if (plane or case.plane) == "yaw":
         return (CROSS,)
@@ -210,7 +211,7 @@ def largest_pressure(
     encountered.check_possible()
     # the model sets the steps alone: the ratio is that of the wind triangle
     equations = Equations.frozen(vehicle, "fixed-path", plane)
-    ratio = encountered_at_steps(equations, encountered)[2]
+    _, _, ratio = encountered_at_steps(equations, encountered)
     return float(ratio.max())
 
 

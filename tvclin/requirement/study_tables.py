@@ -336,7 +336,8 @@ def _parts(study: Study, key: str, needs: float | Mapping[str, float]) -> list[L
 def _survived(study: Study, limit: float, judged: list[float]) -> list[float]:
     """Return the survivable peaks [rad] of a limit [rad], for each row, of the verdict's model.
 
-    `judged`: peaks of the rows of `_judged`.
+    Requirements of linear theory are in proportion to the wind, so that a limit survives the peak
+    times limit over requirement. `judged`: peaks of the rows of `_judged`, which are not.
     """
     rows = study.nominal_requirements[study.model]
     minimum_limit = [needs.get(study.model, np.nan) for needs in study.needs.values()]

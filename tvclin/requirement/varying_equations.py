@@ -81,7 +81,7 @@ class UnstableModes:
         costates = np.broadcast_to(self.costates, (n, *self.costates.shape[1:]))
         reach = np.vecdot(np.conj(costates), column[:, np.newaxis]) / self.poles
         costates = np.concatenate([costates.real, costates.imag[:, complex_modes]], axis=1)
-        costates[:, 0] = end[:, :-1]
+        costates[:, 0] = end[:, :-1]  # of the fastest mode, with the rest of the flight
         reaches, poles = np.zeros((n, 2)), np.zeros((n, 2))
         if k <= 2 and not np.any(complex_modes):
             reaches[:, :k], poles[:, :k] = reach, self.poles
@@ -90,7 +90,7 @@ class UnstableModes:
         slowest = np.real(self.poles).min(axis=-1, keepdims=True)
         ends = _CELL_ENDS * _CELL_SPAN / slowest
         decay = np.exp(-self.poles[..., np.newaxis] * ends[:, np.newaxis])
-        decay[..., -1] = 0.0
+        decay[..., -1] = 0.0  # the last cell has no end
         reach[:, 0] = end[:, -1]
         cells = -reach[..., np.newaxis] * np.diff(decay, axis=-1)
         cells = np.concatenate([cells.real, cells.imag[:, complex_modes]], axis=1)
@@ -246,11 +246,12 @@ class Equations:
             for x, k in zip(of_pressure(plants), (2, 3), strict=True)
         )
         order = nominal.shape[-2]
+        _, paired = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
         return cls(
             np.repeat(nominal, 3, axis=2),
             np.repeat(slopes, 3, axis=2),
             unstable_end(nominal[:, 0, 0]),
-            np.reshape(leading_pole(plants[0])[1], (-1, 1, 1)),
+            np.reshape(paired, (-1, 1, 1)),
             np.ravel(has_quick_path(plants[0])),
             unstable_modes_of(nominal[:, 0, 0, :, :order]),
         )
@@ -337,7 +338,7 @@ def unstable_end(equations: FloatArray) -> FloatArray:
     reach is p.b over the pole. NaN without such a mode.
     """
     order = equations.shape[-2]
-    values, rows = left_eigenvectors(equations[..., :order])
+    values, rows = left_eigenvectors(equations[..., :order])  # the fastest first
     unstable = (np.imag(values) == 0.0) & (np.real(values) > 0.0)
     fastest = np.argmax(unstable, axis=-1)[..., np.newaxis]
     exists = np.any(unstable, axis=-1, keepdims=True)

@@ -364,7 +364,8 @@ class History(Record, ABC):
             return -peak_sign[:, np.newaxis] * np.real(algebra.value(pieces, t))
 
         refined, ends = np.zeros(self.batch), (bracket[inside, 0], bracket[inside, 2])
-        refined[inside] = -peak_sign * grid_minimum(negative_size, *ends)[1]
+        _, minimum = grid_minimum(negative_size, *ends)
+        refined[inside] = -peak_sign * minimum
         return np.where(np.abs(refined) > np.abs(largest), refined, largest)
 
 

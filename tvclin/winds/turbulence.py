@@ -312,7 +312,8 @@ class Turbulence(Record):
 
         `InputError` for a table without an altitude.
         """
-        A, b, c = self._filter(self.over(altitude)[1])
+        _, length = self.over(altitude)
+        A, b, c = self._filter(length)
         return float((c @ stationary_covariance(A, b @ b.T) @ c.T).item())
 
     def power_spectrum(

@@ -107,7 +107,7 @@ def _fit(headings: Headings) -> float:
 
     Zero unless altitude and intensity are among these.
     """
-    names = {_column(heading)[0] for heading in headings} - {None}
+    names = {name for name, _ in map(_column, headings)} - {None}
     return float(len(names)) if {"altitude", "intensity"} <= names else 0.0
 
 

@@ -166,8 +166,9 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
 def heading_of(direction: float | None, azimuth: float | None) -> float | None:
     """Return the heading of `ShapedWind` [rad]; None without a direction.
 
-    `direction`, `azimuth`: direction from which the wind blows and azimuth of the flight [rad],
-    clockwise from north.
+    It is the direction from which the wind blows, clockwise from that of the flight. `direction`,
+    `azimuth`: direction from which the wind blows and azimuth of the flight [rad], clockwise from
+    north.
     """
     if direction is None and azimuth is None:
         return None

@@ -77,6 +77,7 @@ def _variables(content: memoryview, order: str, name: str) -> Iterator[tuple[str
 
     `content`: its bytes. `order`: byte order, "<" or ">". `name`: name of the file, for errors.
     """
+    # index of the next element, bytes that may yet be unpacked, and numbers read so far
     at, remaining, count = _HEADER, MAX_BYTES, 0
     while at < len(content):
         kind, size = _tag(content, at, order)
@@ -139,7 +140,11 @@ class _Elements:
     at: int = 0
 
     def next(self) -> tuple[int, memoryview]:
-        """Return type and bytes of the next element; up to four bytes stand in its own tag."""
+        """Return data type and bytes of the next element, and go on to the one after it.
+
+        Up to four bytes stand in the tag itself, whose upper half is then their number; elements
+        other than matrices are padded to whole tags.
+        """
         kind, size = _tag(self.data, self.at, self.order)
         begin, small = self.at + _TAG, kind >> 16
         if small:
@@ -162,7 +167,7 @@ class _Elements:
         return np.frombuffer(raw, stored)
 
     def complete(self) -> list[int]:
-        """Return the next element as whole numbers, none of them negative."""
+        """Return the next element as whole numbers; `_DamagedError` for a negative one."""
         integers = self.numbers()
         if integers.dtype.kind not in "iu" or np.any(integers < 0):
             raise _DamagedError
@@ -193,12 +198,15 @@ class _Matrix:
         flags = elements.complete()
         if len(flags) != 2:
             raise _DamagedError
-        kind = flags[0] & 0xFF
+        kind = flags[0] & 0xFF  # the class of the matrix is in the lowest byte
         shape = () if kind == _OPAQUE else tuple(elements.complete())
         return cls(kind, bool(flags[0] & _COMPLEX), shape, _name(elements.text()), elements)
 
     def numbers(self) -> AnyArray | None:
-        """Return its real numbers without axes of length one; None for any other class."""
+        """Return its real numbers without axes of length one; None for any other class.
+
+        They are stored by columns.
+        """
         if self.kind not in _NUMBERS or self.is_complex:
             return None
         values = self.elements.numbers()
@@ -210,6 +218,7 @@ class _Matrix:
         """Return the fields of a single structure that are numbers; None for several in one."""
         if math.prod(self.shape) != 1:
             return None
+        # letters of each name, filled with zeros, and all names in a row
         length, names = self.elements.complete(), self.elements.text()
         if len(length) != 1 or not length[0] or len(names) % length[0]:
             raise _DamagedError

@@ -210,8 +210,8 @@ def _unread(sheet: Sheet) -> list[str]:
 def _damping(flight: powered_flight.Flight) -> tuple[dict[str, Column], list[str]]:
     """Return the damping of a flight, unless its jet has the wrong sign, and notes on it.
 
-    OpenRocket adds damping of the air and of the jet, m' l_c^2, which it subtracted before August
-    2026.
+    OpenRocket adds damping of the air and of the jet, m' l_c^2 (mass flow times the square of the
+    control arm), which it subtracted before August 2026.
     """
     if "damping" not in flight.columns:
         return {}, []
@@ -251,6 +251,7 @@ def _rounded(sheet: Sheet, flight: powered_flight.Flight) -> list[str]:
         if any("e" in cell.lower() for cell in written):
             continue
         decimals = max(len(cell.partition(".")[2]) for cell in written)
+        # half of the last decimal, in SI units, over the number
         rounding = 0.5 * 10.0**-decimals * sheet.factor(heading, dimension) / flight[name]
         if rounding.max() >= _ROUGH:
             notes.append(

@@ -456,6 +456,7 @@ def placard(record: Availability) -> Table:
 
 def unknown(record: Availability) -> Table:
     """Return the table of reasons why soundings of a `record` are not judged, with their counts."""
+    # what follows a colon is of a single sounding, such as its line in the file
     reasons = Counter(reason.split(":")[0] for reason in record.why if reason)
     rows = tuple(
         ((reason,), number_cell(f"availability.unknown.{i}", count, 0))

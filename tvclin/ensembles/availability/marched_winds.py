@@ -142,7 +142,7 @@ class PlaneMarch:
         steps, equations = self._steps
         encountered = self.path.encountered(steps, winds, self.plane, pressure)
         march = time_varying.curves(equations, *encountered)
-        limit, highest = self._limit(march)[0], march.highest_limit
+        (limit, _), highest = self._limit(march), march.highest_limit
         limit = np.maximum(limit, self._limit_at_levels(winds, pressure, march, encountered))
         if np.any(equations.paired):
             return Bounds(limit, limit, limit, highest)
@@ -226,7 +226,7 @@ class PlaneMarch:
         middle = equations.nominal[0, :, 1, 1]  # angular acceleration; last deflection, then wind
         trim_per_wind = -np.sum(middle[:, -1] / middle[:, -2])  # only its sign counts
         march = self.curves(winds, additions.pressure)
-        at_limit = self._limit(march, float(np.sign(trim_per_wind)) * sign)[1]
+        _, at_limit = self._limit(march, float(np.sign(trim_per_wind)) * sign)
         speed = partial(self._gust_speed, sign, additions, calm)
         return [
             winds.with_gust(gust, self.plane, at, speed)

@@ -202,7 +202,8 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
             plants = [in_plane.plant for in_plane in selected.judged_batches]
             unstable = [unstable_modes(plant).poles for plant in plants]
             stable = np.all([np.isnan(poles).all(axis=-1) for poles in unstable], axis=0)
-            paired = np.any([leading_pole(plant)[1] for plant in plants], axis=0)
+            # whether the fastest unstable poles are a pair, in any plane
+            paired = np.any([is_pair for _, is_pair in map(leading_pole, plants)], axis=0)
             status[which[np.broadcast_to(stable, which.shape)]] = STABLE
             status[which[np.broadcast_to(paired, which.shape)]] = PAIRED
             status[which[np.broadcast_to(~within_linear(selected.wind_angle), which.shape)]] = (

@@ -207,7 +207,7 @@ class CampaignResults(Tabled):
             return None
         limit = number("limit", limit, small_angle("a deflection"), "rad")
         answers = self.answers(output)
-        confidence = self._level(None, confidence)[1]
+        _, confidence = self._level(None, confidence)
         return statistics.success_probability(
             int(np.sum(answers <= limit)), answers.size, confidence
         )
@@ -244,7 +244,7 @@ class CampaignResults(Tabled):
         if counts is None:
             return None
         total = sum(counts) + self.statuses().get(UNDECIDED, 0)
-        confidence = self._level(None, confidence)[1]
+        _, confidence = self._level(None, confidence)
         return statistics.success_probability(counts[which], total, confidence) if total else None
 
     @property

@@ -256,10 +256,13 @@ class FlightMode:
 
     @cached_property
     def paired_times(self) -> FloatArray:
-        """Times [s] of rows at which the fastest unstable poles are a pair or equal, ``(r,)``."""
-        rows = self._rows[self._rows <= self.last_unstable]
-        paired = leading_pole(self.schedule.plants(rows, self.model, self.plane))[1]
-        return rows[np.broadcast_to(paired, rows.shape)]
+        """Times [s] at which the fastest unstable poles are a pair or equal, ``(r,)``.
+
+        They are among the times of the schedule, with even ones in long intervals between.
+        """
+        times = self._rows[self._rows <= self.last_unstable]
+        _, paired = leading_pole(self.schedule.plants(times, self.model, self.plane))
+        return times[np.broadcast_to(paired, times.shape)]
 
     @cached_property
     def _rows(self) -> FloatArray:

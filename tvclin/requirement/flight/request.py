@@ -538,7 +538,10 @@ class SizingRequest:
         gust = self._flight_winds(case).gust
 
         def peak(vehicle: Vehicle) -> float:
-            """Return the peak [rad] of the gust at a flight time; the linear limit if not known."""
+            """Return the peak [rad] of the gust that a vehicle of the flight encounters.
+
+            The largest angle of linear aerodynamics where it is beyond that, and not known.
+            """
             try:
                 return 0.0 if gust is None else float(gust_at(gust, vehicle).peak)
             except errors.NotKnownError:

@@ -227,6 +227,7 @@ def _required(
 
     `names`: requirements of the columns. `wind`: index of a wind; None for the worst.
     """
+    # fixed winds have a single number, at a time of their own, and no place in a row
     by_time = {k: np.where(np.isnan(sizing.arising(k)), sizing.required[k], np.nan) for k in names}
     required = {
         k: np.fmax.reduce(by_time[k], axis=1) if wind is None else sizing.required[k][:, wind]
@@ -274,7 +275,8 @@ def _freezing_error_cell(sizing: Sizing, name: Requirement, i: int, wind: int | 
 def _freezing_error(sizing: Sizing, name: Requirement, i: int, wind: int | None) -> float:
     """Return the relative error of the frozen requirement `name`; NaN if unknown.
 
-    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
+    It is against the requirement with parameters that vary during the wind. `i`: index of the
+    flight time; `wind`: index of a wind, None for the worst.
     """
     along = sizing.required[replace(name, varying=True)][i]
     j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
@@ -292,7 +294,8 @@ def _short(requirement: Requirement) -> str:
 def _by_planes(sizing: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
     """Return the row with the requirement `counted` [deg] of both planes, and of each plane.
 
-    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
+    `i`: index of the flight time; `wind`: index of a wind, None for the worst. A wind fixed in the
+    flight has the time at which its requirement arises.
     """
     required, key = sizing.required[counted][i], f"{_key(i, wind)}.planes"
     j = int(np.argmax(np.nan_to_num(required, nan=-1.0))) if wind is None else wind

@@ -243,6 +243,7 @@ class _StationStream:
         if line[:1] == b"#" or (self.number == 1 and _HEADER_START.match(line[3:])):
             self._head(line.removeprefix(b"\xef\xbb\xbf"))
         elif self.accepting and not line.isspace():
+            # blocks end at a header: a sounding may go on beyond the usual number of levels
             if len(self.lines) > _LEVELS_PER_BLOCK + _MAX_LEVELS:
                 raise InputError(f"{self.name}, line {self.number}: more than {_MAX_LEVELS} levels")
             self.lines.append(line)
@@ -290,10 +291,13 @@ class _StationStream:
         return time
 
     def end(self) -> None:
-        """Check the collected levels, and add their soundings to the collection."""
+        """Check the collected levels, add their soundings to the collection, and begin a new block.
+
+        A sounding with another number of levels than its header announces is unusable.
+        """
         if not self.heads:
             return
-        starts = np.array([*(head[3] for head in self.heads), len(self.lines)])
+        starts = np.array([*(first for *_, first in self.heads), len(self.lines)])
         rows = _rows(self.lines, np.array(self.numbers, dtype=np.int64), np.diff(starts))
         why = [""] * len(self.heads)
         for i, (_, line, announced, _) in enumerate(self.heads):
@@ -303,7 +307,7 @@ class _StationStream:
                     f"line {line}: {announced} levels are announced and {follow} follow; the file"
                     " is cut short"
                 )
-        times = np.array([head[0] for head in self.heads], dtype="datetime64[m]")
+        times = np.array([time for time, *_ in self.heads], dtype="datetime64[m]")
         collect_levels(self.collection, rows, times, why)
         self.lines, self.numbers, self.heads = [], [], []
 
@@ -334,8 +338,9 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
 def _numbers(letters: NDArray[np.uint8], valid: BoolArray) -> FloatArray:
     """Return integers of n lines, ``(n,)``, NaN where missing; clear `valid` for malformed ones.
 
-    `letters`: codes of the letters in the columns of the integer, ``(n, columns)``. `valid`:
-    whether a line is well-formed, ``(n,)``, which is changed.
+    They are right-aligned digits with an optional minus, after blanks. `letters`: codes of the
+    letters in the columns of the integer, ``(n, columns)``. `valid`: whether a line is well-formed,
+    ``(n,)``, which is changed.
     """
     digit = (letters >= ord("0")) & (letters <= ord("9"))
     minus = letters == ord("-")
@@ -452,7 +457,7 @@ def _above_previous(
     `index`: number of the sounding, height [m] and index of each level, ``(n,)``. A repeat has the
     height of the highest level before it, and a sunk level is below it.
     """
-    stacked = height + _SOUNDING_SPACING * sounding
+    stacked = height + _SOUNDING_SPACING * sounding  # each sounding above the one before
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], stacked]))[:-1]
     repeated, sunk = stacked == highest, stacked < highest
     return index[~(repeated | sunk)], int(repeated.sum()), sounding[sunk]
@@ -467,11 +472,13 @@ def _interpolated_levels(rows: Rows, index: IndexArray) -> tuple[IndexArray, Flo
     with np.errstate(invalid="ignore", divide="ignore"):
         log_pressure = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))
     base = np.flatnonzero(~np.isnan(log_pressure + rows.height))
-    base = _above_previous(rows.sounding[base], log_pressure[base], base)[0]
-    base = _above_previous(rows.sounding[base], rows.height[base], base)[0]
+    # neighbours must ascend in minus the logarithm of pressure, and in height
+    base, _, _ = _above_previous(rows.sounding[base], log_pressure[base], base)
+    base, _, _ = _above_previous(rows.sounding[base], rows.height[base], base)
     index = index[~np.isnan(log_pressure[index])]
     if not base.size or not index.size:
         return index[:0], np.empty(0)
+    # logarithms of pressures differ by less than 100: an offset keeps soundings apart in one row
     position, key = (log_pressure[i] + 100.0 * rows.sounding[i] for i in (index, base))
     after = np.searchsorted(key, position)
     inside = (after > 0) & (after < key.size)

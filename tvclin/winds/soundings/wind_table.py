@@ -146,7 +146,7 @@ def _wind_column(heading: Heading) -> _Column | None:
     words = heading.words
     while words and words[0] == "wind":
         words = words[1:]
-    for size in (2, 1):
+    for size in (2, 1):  # names of two words first
         first, qualifiers = " ".join(words[:size]), words[size:]
         if first in _NAMES and len(words) >= size:
             quantity = _NAMES[first]
@@ -185,7 +185,7 @@ def _read(text: Text, reading: TableOptions) -> Levels:
     if reading.ground is not None:
         values["height"] = values["height"] + reading.ground
         notes.append(f"heights above the ground, at {reading.ground:g} m: above the sea")
-    if len(values) == 5:
+    if len(values) == 5:  # height, speed and direction, and both components
         _compare_components(sheet, values, notes)
     make: Callable[..., Levels] = Levels.from_direction if "speed" in values else Levels
     return make(
@@ -300,7 +300,8 @@ def _compare_components(sheet: Sheet, values: dict[str, FloatArray], notes: list
     `notes`: a note on their difference is appended. An `InputError` names the line of a difference
     that is too large.
     """
-    east, north = (values.pop(name) for name in _PAIRS[1])
+    _, components = _PAIRS
+    east, north = (values.pop(name) for name in components)
     expected = wind_components(values["speed"], values["direction"])
     difference = np.hypot(east - expected[0], north - expected[1])
     agrees = ~(difference > _MAX_DIFFERENCE + _MAX_RELATIVE_DIFFERENCE * values["speed"])
