@@ -74,8 +74,8 @@ class UnstableCoordinates:
         """Return whether coordinates z [rad], ``(..., N)``, are recoverable with |u| < `reach`.
 
         A state is recoverable if some deflection returns it to equilibrium without wind. u is the
-        deflection over B, and `reach` [rad], ``(...)``, its limit. Strictly: on the edge
-        the deflection keeps the state constant and cannot return it.
+        deflection over B, and `reach` [rad], ``(...)``, its limit. Strictly: on the edge the
+        deflection keeps the state constant and cannot return it.
         """
         first = np.abs(z[..., 0]) < reach
         if self.poles.size == 1:
@@ -201,10 +201,10 @@ def forecast_free_limit(
     turn : float
         phi [rad], by how much the direction changes then, to either side, in [0, pi]: pi, a
         reversal in one plane, by default. Where it may be less as well, it is the same bound. The
-        stop is round unless it is pi. With S = sup W,
-        y = max{W(onset), S/2, R, ``|S - R e^(j phi)|^2 / (2 (S - R cos phi))``}, the last for
-        cos(phi) < R/S only: turns of less than arccos(R/S) cost nothing. A reversal gives
-        (S + R)/2, a turn at right angles (S^2 + R^2)/(2 S).
+        stop is round unless it is pi. With W the remaining wind integral, discounted with the fast
+        pole, and S = sup W, y = max{W(onset), S/2, R, ``|S - R e^(j phi)|^2 / (2 (S - R cos
+        phi))``}, the last for cos(phi) < R/S only: turns of less than arccos(R/S) cost nothing. A
+        reversal gives (S + R)/2, a turn at right angles (S^2 + R^2)/(2 S).
 
     Returns
     -------
@@ -260,6 +260,7 @@ def forecast_free_limit(
     stable = np.broadcast_to(np.isnan(fast[..., 0]), shape)
     pole = np.where(real & ~np.isnan(fast), np.real(fast), 1.0)
     B = np.asarray(plant.coefficients.B)[..., np.newaxis]
+    # K1 of the fast pole: factor from W to the bound
     strength = np.where(real, np.abs(wind_over_deflection(plant, pole) / B), np.nan)
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)
@@ -274,6 +275,7 @@ def forecast_free_limit(
     terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
     work = (winds, which, pole.flatten(), results)
     run(largest_remaining_integrals, work, which.size, PLAIN * terms, COMPILED * terms)
+    # W(onset), the largest W, and its time [s]
     wind_known, largest, when = np.moveaxis(results.reshape(*shape, 3), -1, 0)
     # |S - R e^(j phi)|^2 / (S - R cos phi) = S + R (R - S cos phi)/(S - R cos phi); R > S: R counts
     denominator = np.where(largest - R * turn_cosine > 0.0, largest - R * turn_cosine, np.inf)

@@ -77,10 +77,10 @@ class ExitProblem:
         """Return time [s], demand and status of the exit of the dead band, ``(...)`` each.
 
         The driver is B alpha_w, or trim if `literal`; it exits the dead band at K times the demand.
-        The demand is the constant deflection from
-        then on that satisfies (4b), normalised by B alpha_w,max. The status is `switches.JUMP`
-        where the demand jumps over the limit as the driver returns to an earlier height, and
-        `switches.UNREACHED` where it stays above the driver, so that the dead band has no exit.
+        The demand is the constant deflection from then on that satisfies (4b), normalised by B
+        alpha_w,max. The status is `switches.JUMP` where the demand jumps over the limit as the
+        driver returns to an earlier height, and `switches.UNREACHED` where it stays above the
+        driver, so that the dead band has no exit.
         """
         # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter
         winds, which, numbers = self._arrays
@@ -134,7 +134,8 @@ class ExitProblem:
     def _filtering(self) -> int:
         """Time of the kernel where trim is filtered wind, relative to trim that is the wind.
 
-        One where trim is -B times the wind, its filter having coefficients of zero.
+        One where trim is -B times the wind, its filter having coefficients of zero (columns 2 on of
+        the parameters); else more for complex coefficients of the wind than for real ones.
         """
         (_, coefficients, _), _, numbers = self._arrays
         return switches.FILTERED[coefficients.dtype.kind] if np.any(numbers[:, 2:]) else 1

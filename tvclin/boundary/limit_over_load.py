@@ -174,7 +174,10 @@ class LoadTradeOff(TradeOff):
 
     @property
     def _proved(self) -> float:
-        """Proved lower bound [rad] of the limit at the load limit `load`, or at any."""
+        """Proved lower bound [rad] of the limit at the load limit `load`, or at any.
+
+        At most the limit of a computed control, `lower_bound`.
+        """
         at = np.flatnonzero(self.loads == self.load)
         return float(self.lower_bounds[at[0]]) if at.size else self.lower_bound
 
@@ -299,7 +302,10 @@ class LoadLimits:
 
     @property
     def _programmed(self) -> bool:
-        """Whether the minimum load takes linear programs, and is not just a jump of the wind."""
+        """Whether the minimum load takes linear programs, and is not just a jump of the wind.
+
+        It does with a load of the deflection itself (M), a rate limit, or several unstable modes.
+        """
         case = self.case
         return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
 
@@ -361,7 +367,8 @@ class LoadLimits:
         for program in (self.program, self.dense_program):
             if self._refine(load, program) and np.isfinite(self._attained(load)):
                 break
-        for multiple in _PEAKS_OVER_PROOF:  # mixed with ones that have less load
+        # without a control within the load: others of more peak and less load, to be mixed with
+        for multiple in _PEAKS_OVER_PROOF:
             program = self.dense_program
             for _ in range(2):
                 if np.isfinite(self._attained(load)):
@@ -418,7 +425,10 @@ class LoadLimits:
         return max([*bounds, (self.minimum_deflection, 0.0)])
 
     def required_load(self, limit: float | None) -> float:
-        """Return the minimum load [rad] of a control within a limit [rad], or None; else inf."""
+        """Return the minimum load [rad] of a control within a limit [rad]; inf if there is none.
+
+        None is no limit. Between computed controls it is that of their mixtures.
+        """
         if limit is not None and limit < self.minimum_deflection:
             return np.inf
         if limit is None or limit >= self._attained(self.minimum_load):

@@ -473,7 +473,10 @@ class _Case:
         return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
 
     def lower_bound(self, rate: float | None) -> float:
-        """Return the larger of both lower bounds [rad] at a `rate` [rad/s], or at any for None."""
+        """Return the larger of both lower bounds [rad] at a `rate` [rad/s], or at any for None.
+
+        They are the minimum deflection with the wind known, and the bound without a forecast.
+        """
         if rate is None:
             return max(self.minimum, self.no_forecast or 0.0)
         return max(self.deflection(rate), self.no_forecast_limit(rate))
@@ -487,7 +490,7 @@ class _Case:
         lowest = max(self.minimum_rate, self.pole * (self.no_forecast or 0.0))
         if limit is None or self.minimum == 0.0:
             return lowest if limit is None else 0.0
-        lowest = lowest or self.pole * self.minimum
+        lowest = lowest or self.pole * self.minimum  # where the fastest pole requires none
         single_pole_rate = _minimum_rate(  # of the fastest pole alone
             lambda r: max(self.single_pole_deflection(r), self.no_forecast_limit(r)), limit, lowest
         )

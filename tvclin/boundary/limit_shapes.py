@@ -99,6 +99,7 @@ class LimitShape(ABC):
         v = vectors("vector", vector)
         size = np.abs(v)
         u = np.where(size > 0.0, v / np.where(size > 0.0, size, 1.0), 1.0)
+        # of each direction u, with the support h and the gauge g:
         # 1/g(u) = min over x of h(u (1 + j x)); h(j u x) <= h(u (1 + j x)) + h(-u) bounds x
         ends = self.support(u) + self.support(-u)
         low, high = (-ends / self.support(-1j * u), ends / self.support(1j * u))
@@ -485,6 +486,7 @@ class Cluster(LimitShape):
         d = vectors("direction", direction)
         bias, roll = self._stuck
         free = self._sum(d, np.zeros(d.shape))
+        # remaining roll moments of both signs with the stuck engines; zero with roll free
         sides = self._rolls(1.0) + roll, self._rolls(-1.0) - roll
         if min(sides) > 0.0:
             # sum s_j h_j(j rho r_j) <= sum s_j h_j(d + j rho r_j) + sum s_j h_j(-d) bounds rho
@@ -554,7 +556,8 @@ class Cluster(LimitShape):
         """Return the sum over moving engines of s_j h_j(d + rho a_j), in the shape of d and rho.
 
         s_j: share of the thrust. h_j: support function. `d`: complex vectors. a_j: arm about the
-        roll axis, and `rho` its multiplier.
+        roll axis, and `rho` its multiplier. With roll held the support along d is the minimum of
+        this sum over rho.
         """
         supports = [
             share * engine.limit_shape.support(d + rho * self._arm(engine))
@@ -563,6 +566,9 @@ class Cluster(LimitShape):
         return np.asarray(np.sum(supports, axis=0))
 
     def _arm(self, engine: ClusterEngine) -> complex:
-        """Return the arm a = j r of an engine at r, over the largest r; zero on the axis."""
+        """Return the arm a = j r of an engine at r, over the largest r; zero on the axis.
+
+        Its direction is that of the side force at r that has a moment about the roll axis.
+        """
         largest = max(abs(member.at) for member in self.engines)
         return 1j * engine.at / largest if abs(engine.at) > _MAX_CENTRAL_RADIUS * largest else 0j

@@ -176,7 +176,11 @@ class PlanePair:
         return np.where(T > s, demand, 0.0)
 
     def moment_driver(self, t: FloatArray) -> Vectors:
-        """Return the driver -B alpha_w [rad] of the report's exit on wind at `t` [s], complex."""
+        """Return the driver -B alpha_w [rad] of the report's exit on wind at `t` [s], complex.
+
+        The exit of the dead band is where its gauge reaches K times the limit; B is the trim
+        deflection per angle of attack of each plane.
+        """
         pitch, yaw = (plant.coefficients.B for plant in self.plants)
         w = self.wind(t)
         return np.asarray(-pitch * np.real(w) - 1j * yaw * np.imag(w))
@@ -252,8 +256,8 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
 
     The fast mode of each plane of `pair` sets it: the demand of the wind from its onset to any time
     must be in y S, and that between any two times in y (S - S), with S the `limit_shape` and y the
-    bound. The maximum over both times is taken on a grid and refined. With planes that differ,
-    it is computed for states that a constant vector returns from: up to two percent too large where
+    bound. The maximum over both times is taken on a grid and refined. With planes that differ, it
+    is computed for states that a constant vector returns from: up to two percent too large where
     the poles differ by half.
     """
     onset, end = float(pair.wind.onset), float(pair.wind.end)
@@ -267,7 +271,7 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
         return gauge(pair.demand_between(s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the bound [rad] for a wind between its onset and `T` [s]."""
+        """Return the bound [rad] for a wind between its onset and `T` [s], by the gauge of S."""
         return limit_shape.gauge(pair.demand_between(np.full((1, 1), onset), T))
 
     grid = two_sided(times[:, np.newaxis], times)

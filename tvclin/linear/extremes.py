@@ -127,7 +127,7 @@ def response_end(
         return ResponseEnd(back.time, RELEASED, back)
     times = probe_times(0.0, longest, deflection, wind)
     attitude = _output(plant, deflection, wind, "attitude")
-    towards = _wind_sign(plant, wind) * attitude(times)
+    towards = _wind_sign(plant, wind) * attitude(times)  # positive: as the wind turns the vehicle
     overturning = _overturning_time(times, towards, wind, _RELATIVE_ROUNDING) if lets_go else np.inf
     exceeding = np.flatnonzero(np.abs(towards) > MAX_SHOWN_ATTITUDE)
     if not exceeding.size or overturning <= times[exceeding[0] - 1]:
@@ -177,9 +177,8 @@ def _overturning_time(
     """Return the time [s] from which the attitude stays opposite to the wind; infinite if never.
 
     It is at least the end of the wind, before which the vehicle leans into the wind. `times`:
-    samples [s]. `towards`:
-    attitude [rad] with the sign of the wind, at `times`. `smallest`: fraction of the peak wind
-    angle below which an attitude counts as zero.
+    samples [s]. `towards`: attitude [rad] with the sign of the wind, at `times`. `smallest`:
+    fraction of the peak wind angle below which an attitude counts as zero.
     """
     before = np.flatnonzero(towards >= -smallest * abs(float(wind.peak)))
     if not before.size or before[-1] == times.size - 1:

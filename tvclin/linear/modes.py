@@ -293,7 +293,9 @@ def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
 
     Notes
     -----
-    Eq (4b): [N_delta(p) L(delta)(p) + N_wind(p) L(alpha_w)(p)] / D'(p).
+    Eq (4b): [N_delta(p) L(delta)(p) + N_wind(p) L(alpha_w)(p)] / D'(p), with the numerators N and
+    the denominator D of the attitude's transfer functions and the Laplace transforms L. It is the
+    coefficient of e^(p t) in the attitude long after the wind.
     """
     modes = unstable_modes(plant)
     values, _, start = _at_poles(modes, deflection, wind)

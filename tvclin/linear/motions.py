@@ -149,8 +149,8 @@ def _engine_forces(
     T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta, on the motion b with
     displacement phi_b and slope sigma_b at the gimbal: T_c control force per angle [N/rad], a axial
     acceleration, s_E = m_E l_E static moment and J_E = I_E + m_E l_E^2 inertia of the engine about
-    the gimbal. `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes.
-    `mass`: M, ``(..., n, n)``, which is checked together with the inertia of the engine.
+    the gimbal. `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes. `mass`:
+    M, ``(..., n, n)``, which is checked together with the inertia of the engine.
     """
     modes, engine = structure.bending, structure.engine
     phi = [1.0, -v.control_arm, *(mode.gimbal_displacement for mode in modes)]

@@ -502,11 +502,13 @@ class Plant(WithCoefficients):
         -----
         theta'' = mu_alpha (theta - gamma - alpha_w) - mu_delta delta - damping theta', and
         gamma' = (C1 + w) theta - C1 gamma + d delta - n alpha_w (+ sqrt(q) V/V_n), with
-        w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B and
-        n = N/(m V_n) = C1 - b2; in the drift model gamma' = (b1/B) delta + b2 alpha_w instead.
+        w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B,
+        n = N/(m V_n) = C1 - b2 and q = (g cos(Theta_n)/V_n)^2; in the drift model
+        gamma' = (b1/B) delta + b2 alpha_w instead.
         """
         c, order = self.coefficients, self.denominator.shape[-1] - 1
         A, B = np.zeros((*self.batch, order, order)), np.zeros((*self.batch, order, 2))
+        # rows of A and B: attitude, its rate, flight path angle, relative speed
         A[..., 0, 1] = 1.0
         A[..., 1, 0], A[..., 1, 1] = c.mu_alpha, 0.0 - np.asarray(c.damping)
         B[..., 1, 0], B[..., 1, 1] = -c.mu_delta, -c.mu_alpha
@@ -520,7 +522,7 @@ class Plant(WithCoefficients):
             A[..., 3, 2] = -np.sqrt(c.q)
         C = np.zeros((*self.batch, len(self.outputs), order))
         C[..., :-1, : len(self.outputs) - 1] = np.eye(len(self.outputs) - 1)
-        C[..., -1, 0] = 1.0
+        C[..., -1, 0] = 1.0  # angle of attack, theta - gamma - alpha_w
         if order > 2:
             C[..., -1, 2] = -1.0
         D = np.zeros((*self.batch, len(self.outputs), 2))

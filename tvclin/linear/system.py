@@ -262,6 +262,7 @@ def connect(
     ]
     block_outputs = [name for block in blocks for name in block.outputs]
     A, B, C, D = (_block_diagonal([block.matrices()[k] for block in blocks]) for k in range(4))
+    # Of inputs u and outputs y of the blocks, external inputs w and observed signals P y + Q w:
     # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w); without
     # an algebraic loop a power of D K is zero.
     K, L = _incidence(block_inputs, block_outputs), _incidence(block_inputs, inputs)

@@ -355,8 +355,8 @@ class StateLoop:
         """Return the frequencies [rad/s] with |L| = `size`, and whether |L| falls there.
 
         Both ``(k, m)``, ascending: imaginary eigenvalues of the Hamiltonian matrix of G = L/size
-        (Boyd, Balakrishnan and Kabamba 1989), each refined by Newton's method on |L| itself. With
-        R = 1 - D^2 and A1 = A + B C D/R the matrix is
+        (Boyd, Balakrishnan and Kabamba 1989), each refined by Newton's method on |L| itself. With R
+        = 1 - D^2 and A1 = A + B C D/R the matrix is
 
             [A1, B B'/R; -C' C (1 + D^2/R), -A1'],
 

@@ -74,8 +74,8 @@ class Motion:
 def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Motion]:
     """Return the motions of x' = A x + B f from zero initial states, one for each input f.
 
-    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree,
-    so that one matrix M moves all of them. The exponentials over pieces of equal width are computed
+    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree, so
+    that one matrix M moves all of them. The exponentials over pieces of equal width are computed
     once. A piece begins with the states of x at its end before, and with those of its own input.
     """
     order, matrix = len(A), piece_matrix(A, B, inputs[0])

@@ -149,7 +149,8 @@ def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
     """Return the numbers of a vehicle with pitch_damping [N m s/rad] in place of its sources.
 
     `values`: numbers of `table`, the table [vehicle], in SI units by name: either pitch_damping, or
-    an aerodynamic coefficient and the numbers of the jet, whose dampings add up.
+    an aerodynamic coefficient per q L/V and the numbers of the jet, whose dampings add up. The arm
+    of the jet is the control arm unless exit_arm is given.
     """
     result = {name: value for name, value in values.items() if name not in QUANTITIES}
     sources = [name for name in _SOURCES if name in values]

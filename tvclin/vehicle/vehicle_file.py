@@ -148,7 +148,10 @@ def is_schedule_document(document: Mapping[str, Any]) -> bool:
 
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
-    """Return the vehicle of a TOML text; `source` is its name in messages."""
+    """Return the vehicle of a TOML text; `source` is its name in messages.
+
+    One `InputError` tells the faults of all its tables.
+    """
     if is_csv(source) or is_schedule_document(tables_of(text, source)):
         raise InputError(missing_time_message(source))
     faults, vehicle, structure = Faults(), None, None

@@ -74,7 +74,10 @@ class LoadCase:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """Sizes |s| [1/s] of the poles, ``(k,)``; 1 for a pole at zero."""
+        """Sizes |s| [1/s] of the poles, ``(k,)``; 1 for a pole at zero.
+
+        They scale the modes, z' = s z + |s| eta, so that all states are in the unit of eta.
+        """
         return np.where(self.poles == 0.0, 1.0, np.abs(self.poles))
 
     @cached_property
@@ -237,13 +240,20 @@ class LoadWeights:
 
     @cached_property
     def _before(self) -> ComplexArray:
-        """Sums of weights before each node, decayed with the unstable modes, ``(n + 1, k)``."""
+        """Sums of weights before each node, decayed with the unstable modes, ``(n + 1, k)``.
+
+        A deflection counts in the load before it by unstable modes, which are summed backward in
+        time, and in the load after it by stable modes.
+        """
         start, end = self.density_ends
         return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property
     def _after(self) -> ComplexArray:
-        """Sums of weights from each node on, decayed with the stable modes, ``(n + 1, k)``."""
+        """Sums of weights from each node on, decayed with the stable modes, ``(n + 1, k)``.
+
+        By `_discounted` from the last node on, in reversed order of nodes and cells.
+        """
         (start, end), nodes = self.density_ends[:, ::-1], self.node_weights[::-1]
         first = self.case.shares * nodes[0]
         return self._discounted(first, start, end, nodes[1:], self.widths[::-1])[::-1]

@@ -139,7 +139,8 @@ class LoadProgram:
         """Indices of the deflection's variables in wide cells, and their bound over the load bound.
 
         With rows at the nodes alone the load could oscillate between them; so the load of the
-        deflection in equilibrium, delta (1 + M B)/B, is within the bound there.
+        deflection in equilibrium, delta (1 + M B)/B, is within the bound there: B is the trim
+        deflection per angle of attack, and M the load per deflection.
         """
         B, M = float(self.case.plant.coefficients.B), self.case.ratio
         wide = np.flatnonzero(self.widths * self.case.fastest > _MAX_WIDTH_OVER_TIME_CONSTANT)
@@ -330,7 +331,7 @@ class LoadProgram:
         marks.append(np.where(largest > bound * (1.0 - _ACTIVE_DISTANCE), 1.0, 0.0))
         slope = (ends[1] - ends[0]) / self.widths
         marks.append(np.where(np.abs(slope) > rate * (1.0 - _ACTIVE_DISTANCE), np.sign(slope), 0.0))
-        new = np.any(np.diff(np.stack(marks), axis=1) != 0.0, axis=0)
+        new = np.any(np.diff(np.stack(marks), axis=1) != 0.0, axis=0)  # at each inner node
         excess = largest - bound
         loose = np.append(new, False) | np.append(False, new)
         loose |= excess > max(_SPLIT_EXCESS_FRACTION * excess.max(), _ACTIVE_DISTANCE * bound)

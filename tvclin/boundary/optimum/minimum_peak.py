@@ -315,6 +315,10 @@ def peaks_for_demands(
     a pair has both. `demands`: d_i of eq (C1) from the start of the control on [rad s],
     ``(n, m)``; infinite where the deflection does not reach a pole. `sufficient`: peaks
     [rad] as for `minimum_peaks`, ``(n,)``.
+
+    A demand d is the integral of e^(-p t) delta dt that cancels the mode of the pole p. One pole
+    requires ``|p d|``; two real poles and a pair have formulas; more take a search, unless
+    `sufficient` is proved to be enough.
     """
     present = ~np.isnan(poles)
     unreachable = np.any(present & ~np.isfinite(demands), axis=-1)
@@ -390,9 +394,11 @@ def _proved(
     rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0
     proved = np.zeros(p.shape, dtype=bool)
     for span in spans:
+        # e^(-p T), and e^(-s T) of the others
         died, propagated = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
         fits = np.ones(p.shape, dtype=bool)
         for sign in (-1.0, 1.0):
+            # of the constant deflection c up to T and the demand d of p:
             # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p; for the others c (1 - e^(-s T))/s is done,
             # and the rest is counted from T.
             c = (p * np.real(demands[:, 0]) + sign * peak * died) / (1.0 - died)

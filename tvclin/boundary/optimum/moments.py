@@ -88,6 +88,7 @@ class Constraints:
         column = self.poles[:, np.newaxis]
         width = np.diff(knots)
         endless = np.isinf(width)
+        # integral of e^(-p u) from t to t + h: e^(-p t) (1 - e^(-p h))/p
         fraction = np.where(endless, 1.0, -np.expm1(-column * np.where(endless, 0.0, width)))
         return self.real_rows(np.exp(-column * knots[:-1]) * fraction / column)
 
@@ -191,7 +192,11 @@ class Window:
 
     @cached_property
     def end(self) -> float:
-        """Time [s] at which the window is cut: the horizon; infinite for real poles without."""
+        """Time [s] at which the window is cut: the horizon; infinite for real poles without.
+
+        With a complex pair, whose sums change their sign without end, 34 of the slowest e-folding
+        times.
+        """
         c = self.constraints
         if c.real or np.isfinite(c.horizon):
             return float(c.horizon)

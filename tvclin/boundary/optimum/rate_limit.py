@@ -139,11 +139,11 @@ class RateProgram:
     def _rows_of(self, of_rate: bool) -> tuple[Any, Any]:
         """Return rows that must not be positive, and rows that equal zero or the demands.
 
-        Variables are the values at the nodes after the first, their changes up and down, and
-        the bound, which is the peak, or the rate times the last time. The first rows bound the
-        values by the peak or, with `of_rate`, the changes by the rate; the others say that the
-        changes are those of the values, and that the moments of the deflection, its integrals times
-        the poles' exponentials, are the demands, each divided by the sum of its absolute moments.
+        Variables are the values at the nodes after the first, their changes up and down, and the
+        bound, which is the peak, or the rate times the last time. The first rows bound the values
+        by the peak or, with `of_rate`, the changes by the rate; the others say that the changes are
+        those of the values, and that the moments of the deflection, its integrals times the poles'
+        exponentials, are the demands, each divided by the sum of its absolute moments.
         """
         from scipy import sparse  # late: it takes 0.1 s to import
 

@@ -94,9 +94,9 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
         x = (y - 1 + 2^(1 - r))/(2 y)
 
     `y`: beta1 D1/(beta2 D2), positive, of slow pole beta1, fast pole beta2 [1/s] and demands D1 and
-    D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, slow pole over fast, below 1. It
-    follows from one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too small. For y
-    -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1). `InputError` for values outside.
+    D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, slow pole over fast, below 1. It follows from
+    one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too small. For y -> infinity
+    the peak goes to beta1 D1/(2^(1 - r) - 1). `InputError` for values outside.
     """
     y, r = positive("y", y), _checked_ratio(ratio)
     together(y=y, ratio=r)
@@ -110,9 +110,9 @@ def longest_single_pole_duration(
 
         y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
 
-    y is the peak that the slow pole beta1 requires by itself over that of the fast pole beta2.
-    Up to there the fast pole alone decides the minimum peak, nearly. The print omits the ratio of
-    the K1_i = (beta_i + b2)/(beta_i + b1). y rises with the duration from K1_ratio beta1/beta2 to
+    y is the peak that the slow pole beta1 requires by itself over that of the fast pole beta2. Up
+    to there the fast pole alone decides the minimum peak, nearly. The print omits the ratio of the
+    K1_i = (beta_i + b2)/(beta_i + b1). y rises with the duration from K1_ratio beta1/beta2 to
     K1_ratio beta2/beta1; NaN is returned where it is never 1.
 
     `beta1`, `beta2`: slow and fast unstable pole [1/s], positive. `K1_ratio`: K1_1/K1_2.
@@ -168,9 +168,10 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     Returns
     -------
     float or ndarray
-        tau [s] at which y = 1, with the actual poles of the third-order model and their K1_i;
-        longer winds require markedly more deflection than the fast pole alone requires. NaN for
-        a vehicle without two real unstable poles.
+        tau [s] at which y = 1, y being the peak that the slow pole requires by itself over that of
+        the fast one, with the actual poles of the third-order model and their K1_i; longer winds
+        require markedly more deflection than the fast pole alone requires. NaN for a vehicle
+        without two real unstable poles.
 
     Examples
     --------
@@ -186,7 +187,7 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     usable = np.all((np.imag(poles) == 0.0) & ~np.isnan(poles), axis=-1)
     slow, fast = (np.where(usable, np.real(poles[..., i]), 1.0 + i) for i in (1, 0))
     with np.errstate(invalid="ignore"):  # complex NaN stands for a pole that is not there
-        K = np.real(modes.wind_residues / modes.deflection_residues)
+        K = np.real(modes.wind_residues / modes.deflection_residues)  # B K1 of each pole
     ratio = np.where(usable, K[..., 1] / K[..., 0], 1.0)
     usable &= ratio > 0.0
     duration = longest_single_pole_duration(slow, fast, np.where(usable, ratio, 1.0))
