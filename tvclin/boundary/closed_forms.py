@@ -38,7 +38,8 @@ def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
     """Return the boundary limit y of eq (12) in a triangular wind without drift, over static trim.
 
     `p`: fast pole times half the duration [-], positive. `K`: dead band, 0 to 1, of the same shape.
-    y = (1 - e^(-s))/(p (1 - K)) where s + c (1 - e^(-s)) = -ln(2 e^(-p) - e^(-2p)), c = K/(1 - K).
+    y = (1 - e^(-s))/(p (1 - K)) where s + c (1 - e^(-s)) = L = -ln(2 e^(-p) - e^(-2p)), c = K/(1 -
+    K), by Newton's method, which rises to s from below; y = L/p for K = 1.
     """
     L = _minus_log_R(p)
     with np.errstate(divide="ignore"):

@@ -138,7 +138,8 @@ def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatAr
     A, inputs, _, _ = plant.matrices()
     n, count = A.shape[-1], inputs.shape[-1]
     A = np.broadcast_to(A.reshape(-1, n, n), (pole.size, n, n))
-    row = np.real(left_eigenvector(A, pole)[1])
+    _, eigenvector = left_eigenvector(A, pole)
+    row = np.real(eigenvector)  # l
     inputs = np.broadcast_to(inputs.reshape(-1, n, count), (pole.size, n, count))
     gains = np.einsum("mi,mij->mj", row, inputs)  # l times the input of deflection, wind, engine
     inertia = gains[:, len(INPUTS) :].sum(axis=1)

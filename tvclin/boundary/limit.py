@@ -254,6 +254,7 @@ def boundary_limit(
             "plant must have an aerodynamic moment, mu_alpha other than zero, where its path grows:"
             " limits are relative to the deflection that trims the wind"
         )
+    # deflection [rad] per limit y: -B alpha_w,max
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=wind.batch)
     problem = ExitProblem(plant, wind, np.where(unstable, pole, 1.0), K, shape)

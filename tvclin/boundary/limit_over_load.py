@@ -298,7 +298,8 @@ class LoadLimits:
             jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
         if not self._programmed:
             return jumped if jumped > _NEGLIGIBLE_LOAD * self.load_of_minimum else 0.0
-        return max(jumped, self._minimum_load[1])
+        _, proved = self._minimum_load
+        return max(jumped, proved)
 
     @property
     def _programmed(self) -> bool:
@@ -373,7 +374,8 @@ class LoadLimits:
             for _ in range(2):
                 if np.isfinite(self._attained(load)):
                     break
-                peak = min(multiple * self._proved(load)[0], _MAX_DEFLECTION)
+                proof, _ = self._proved(load)
+                peak = min(multiple * proof, _MAX_DEFLECTION)
                 solved = program.solve(LOAD, peak)
                 if solved is None:
                     break

@@ -228,7 +228,8 @@ class FlexiblePlant(Shown, WithCoefficients):
 
         The poles of the sensors are not among them.
         """
-        poles = np.linalg.eigvals(self._airframe[0]).astype(complex)
+        A, _ = self._airframe
+        poles = np.linalg.eigvals(A).astype(complex)
         order = np.lexsort((-poles.imag, -poles.real), axis=-1)
         return np.take_along_axis(poles, order, axis=-1)
 
@@ -366,6 +367,7 @@ class FlexiblePlant(Shown, WithCoefficients):
         """
         accelerations, positions = self._motions, self._positions
         rigid, bodies = len(self.rigid.states), positions.size - 1
+        # `positions`: the states theta, eta and zeta, each before its rate; state 2 is gamma
         drive = np.zeros((*self.batch, bodies + 2, rigid + 2 * bodies))
         drive[..., positions] = accelerations.displacement[..., 1:]
         drive[..., positions + 1] = accelerations.rate[..., 1:]

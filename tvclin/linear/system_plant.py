@@ -205,7 +205,8 @@ class SystemPlant(Plant):
     @property
     def has_modes(self) -> bool:
         """Whether lightly damped modes may have a limit cycle with the nozzle."""
-        return bool(self.named_modes()[0])
+        names, _ = self.named_modes()
+        return bool(names)
 
     @property
     def name(self) -> str:
@@ -346,7 +347,7 @@ class SystemPlant(Plant):
     @cached_property
     def poles(self) -> AnyArray:
         """All poles [1/s] by falling real part, ``(..., order)``; real where all are."""
-        poles = self._eigenvectors[0]
+        poles, _, _ = self._eigenvectors
         return poles.real if not np.any(poles.imag) else poles
 
     @cached_property
@@ -457,7 +458,8 @@ class SystemPlant(Plant):
                 " Plant.from_coefficients(plant.coefficients) for trim, and ss() for the rest"
             )
         polynomial = np.ones((*self.batch, 1), complex)
-        for pole in np.moveaxis(self._eigenvectors[0], -1, 0):
+        poles, _, _ = self._eigenvectors
+        for pole in np.moveaxis(poles, -1, 0):  # times (s - pole)
             polynomial = np.pad(polynomial, [(0, 0)] * (polynomial.ndim - 1) + [(0, 1)])
             polynomial[..., 1:] -= pole[..., np.newaxis] * polynomial[..., :-1]
         return np.real(polynomial)
@@ -509,7 +511,7 @@ class SystemPlant(Plant):
         They are "mode 1", .. by rising frequency, of a damping ratio below 0.3; poles ``(..., n)``,
         NaN where a plant of a batch has fewer.
         """
-        poles = self._eigenvectors[0]
+        poles, _, _ = self._eigenvectors
         with np.errstate(invalid="ignore", divide="ignore"):
             light = (poles.imag > 0.0) & (np.abs(poles.real) < _MAX_DAMPING * np.abs(poles))
         order = np.argsort(np.where(light, np.abs(poles), np.inf), axis=-1)
@@ -535,16 +537,17 @@ def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
     require_signals("plant", "output", _MEASURED[:2], system.outputs, "; name them with outputs=")
     further = tuple(name for name in system.inputs if name == _ACCELERATION)
     system = system.select((*INPUTS, *further), system.outputs)
-    if _MEASURED[3] in system.outputs:
+    attitude, _, path, angle = _MEASURED
+    if angle in system.outputs:
         return system
     require_signals(
         "plant",
         "output",
-        _MEASURED[2:3],
+        (path,),
         system.outputs,
         ", nor angle_of_attack: one of the two is needed",
     )
     row = np.zeros(len(system.outputs))
-    row[system.outputs.index(_MEASURED[0])], row[system.outputs.index(_MEASURED[2])] = 1.0, -1.0
-    wind = np.eye(len(system.inputs))[1]
-    return system.with_outputs({_MEASURED[3]: (row @ system.C, row @ system.D - wind)})
+    row[system.outputs.index(attitude)], row[system.outputs.index(path)] = 1.0, -1.0
+    wind = np.eye(len(system.inputs))[1]  # the second input
+    return system.with_outputs({angle: (row @ system.C, row @ system.D - wind)})

@@ -35,7 +35,8 @@ _MAX_SERIES_NORM, _SERIES_TERMS = 0.25, 12
 def stationary_covariance(A: FloatArray, noise: FloatArray) -> FloatArray:
     """Return the stationary covariance P ``(n, n)`` of A P + P A' + N = 0 of a stable system.
 
-    `A`: A of x' = A x + n [1/s], ``(n, n)``. `noise`: N, spectral density of the white noise n.
+    P is E[x x']. `A`: A of x' = A x + n [1/s], ``(n, n)``. `noise`: N, spectral density of the
+    white noise n, E[n(t) n(t')'] = N delta(t - t'), symmetric.
     """
     from scipy.linalg import solve_continuous_lyapunov  # late: it takes half a second to import
 
@@ -71,11 +72,12 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
         parts = steps(A[..., row, column], noise[..., row, column], lengths)
         F[:, row, column], Q[:, row, column] = parts
         return F, Q
-    scale = balanced(np.abs(A) if A.ndim == 2 else np.abs(A).max(axis=0, initial=0.0))[1]
+    _, scale = balanced(np.abs(A) if A.ndim == 2 else np.abs(A).max(axis=0, initial=0.0))
     A, noise = A * (scale / scale[:, np.newaxis]), noise / np.multiply.outer(scale, scale)
     norm = np.abs(A).sum(axis=-2).max(axis=-1, initial=0.0)
     size = float(np.max(norm * lengths, initial=0.0))
-    doublings = max(int(np.frexp(size / _MAX_SERIES_NORM)[1]), 0)
+    _, exponent = np.frexp(size / _MAX_SERIES_NORM)  # of two
+    doublings = max(int(exponent), 0)
     first = np.ldexp(lengths, -doublings)[:, np.newaxis, np.newaxis]
     step = A * first
     F = exponential_series(step)

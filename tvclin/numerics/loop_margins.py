@@ -195,7 +195,8 @@ def _delay_frequencies(loop: AnyLoop) -> tuple[FloatArray, FloatArray]:
     """
     delayed = loop.delay > 0.0
     step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]
-    last = np.nan_to_num(loop.crossovers(_NEGLIGIBLE_GAIN)[0]).max(axis=-1, initial=0.0)
+    frequencies, _ = loop.crossovers(_NEGLIGIBLE_GAIN)
+    last = np.nan_to_num(frequencies).max(axis=-1, initial=0.0)
     end = np.maximum(last, _END_OVER_POLE_BOUND * loop.bound())
     count = np.minimum(np.ceil(end / step) + _ADDED_STEPS, _MAX_STEPS)
     index = np.arange(int(count[delayed].max(initial=0.0)) + 1)

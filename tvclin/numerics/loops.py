@@ -151,6 +151,7 @@ class Rational:
 
     def real_frequencies(self) -> FloatArray:
         """Return the frequencies [rad/s] at which L without its delay is real, ``(k, m)``."""
+        # Im(N conj(D))/omega as a polynomial in omega^2
         polynomial = polynomials.imaginary_part(self.numerator, self.denominator)
         with np.errstate(all="ignore"):
             roots = polynomials.roots_of_each(polynomial)

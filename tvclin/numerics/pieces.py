@@ -547,7 +547,9 @@ def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyAr
     Shape ``(..., m)``. `c`, `rates`: f of each piece is the sum of c_k u^k e^(rate u), with ``(...,
     m, rates, degree + 1)`` and ``(..., rates)``. `widths`: ``(..., m)`` [s]. `pole`: ``(...)``
     [1/s]. The integral from 0 to h of e^(p (h - v)) v^k e^(lambda v) dv is expanded from the start
-    of the piece where the rate decays faster than the pole, and from its end otherwise.
+    of the piece where the rate decays faster than the pole, and from its end otherwise: it is
+    h^(k+1) e^(p h) M_k((p - lambda) h), with M_k of `moments`, or the same of the recentred terms
+    with v counted backward.
     """
     order, width = c.shape[-1], widths[..., np.newaxis]
     gap = (pole[..., np.newaxis] - rates)[..., np.newaxis, :]
@@ -573,6 +575,7 @@ def _split_endless(pieces: Pieces, pole: AnyArray) -> Pieces:
     smallest = gap.min(axis=-1, keepdims=True)
     if np.all(np.isinf(smallest)):
         return pieces
+    # The first piece is a sixteenth of the resonant span, or ends where nothing is left to follow.
     rate = np.real(pole[..., np.newaxis])
     with np.errstate(divide="ignore"):
         horizon = np.where(rate > 0.0, _OVERFLOW_EXPONENT, _DECAYED_EXPONENT) / np.abs(rate)

@@ -131,6 +131,7 @@ def pade_keeps_stability(
     low, high = _BAND_EDGES[:-1, np.newaxis] / delay, _BAND_EDGES[1:, np.newaxis] / delay
     outside = np.maximum(np.maximum(low - np.abs(poles.imag), np.abs(poles.imag) - high), 0.0)
     error_factor = factorial(order) ** 2 / (factorial(2 * order) * factorial(2 * order + 1))
+    # of P in each band, at its upper edge, and never above the sum of both sizes
     errors = np.minimum(error_factor * _BAND_EDGES[1:] ** (2 * order + 1), 2.0)
     with np.errstate(divide="ignore", invalid="ignore"):  # of poles on the axis
         changes = errors * np.sum(residues / np.hypot(poles.real, outside), axis=-1)

@@ -55,17 +55,20 @@ class LoadCase:
     @cached_property
     def poles(self) -> AnyArray:
         """Poles s [1/s], ``(k,)``: unstable ones first, the upper one of a conjugate pair."""
-        return self._modes[0]
+        poles, _, _ = self._modes
+        return poles
 
     @cached_property
     def shares(self) -> AnyArray:
         """Coefficients c of the load, complex ``(k,)``; a pair contributes the real part of c z."""
-        return self._modes[1]
+        _, shares, _ = self._modes
+        return shares
 
     @cached_property
     def unstable(self) -> BoolArray:
-        """Whether each mode is unstable, ``(k,)``."""
-        return np.arange(self.poles.size) < self._modes[2]
+        """Whether each mode is unstable, ``(k,)``; unstable modes are the first."""
+        _, _, number_of_unstable = self._modes
+        return np.arange(self.poles.size) < number_of_unstable
 
     @cached_property
     def rates(self) -> AnyArray:

@@ -132,7 +132,8 @@ class LoadProgram:
     @property
     def _variables(self) -> int:
         """Number of the program's variables that are values of the deflection."""
-        return int(self._levels[0].shape[1])
+        at_start, _ = self._levels
+        return int(at_start.shape[1])
 
     @cached_property
     def _static_bounds(self) -> tuple[IndexArray, float]:
@@ -248,7 +249,8 @@ class LoadProgram:
         ends = np.stack([first @ u, last @ u])
         inside = self.case.load_in(self.reference_load, self.widths, ends - self.reference)
         # prices of the inequalities in the order of `_limits`: load above, load below, .., rate
-        n, rows, prices = self.widths.size, self._loads[1].size, result.ineqlin.marginals
+        _, high, _ = self._loads
+        n, rows, prices = self.widths.size, high.size, result.ineqlin.marginals
         rate_prices = None
         if np.isfinite(self.case.rate):
             rate_prices = prices[-n:] - prices[-2 * n : -n]

@@ -298,7 +298,8 @@ class Window:
         scale = np.where(np.isfinite(scale), scale, 1.0)
         weight = np.abs(values / self.sizes[:, np.newaxis]).max(axis=0)
         rows = np.nan_to_num((values * scale[:, np.newaxis] * weight).T, posinf=0.0, neginf=0.0)
-        return np.linalg.svd(rows)[2][-1] * scale
+        *_, right_vectors = np.linalg.svd(rows)
+        return right_vectors[-1] * scale
 
     def tail(self, multipliers: FloatArray) -> float:
         """Return a bound of the norm of the sum with `multipliers` ``(n,)`` after the window."""
