@@ -421,7 +421,7 @@ def _cases(
     flights have no outcome. `criteria_index`: index in `judges` of each of p vehicles, ``(p,)``.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
-    h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]
+    h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]  # sample periods [s], (m,)
     start, end = (a.ravel()[encountered] for a in (batch.wind.onset, batch.wind.end))
     has_reach = ~np.isnan(judges.reach[criteria_index][vehicle])
     waiting, settling = (

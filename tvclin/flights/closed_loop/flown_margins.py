@@ -350,9 +350,10 @@ class _Flights:
     def survive(self, name: str, values: FloatArray) -> NDArray[np.str_]:
         """Return the status over all winds for each value of a change, ``(n,)``.
 
-        The status is the first other than "survived" in a wind. `name`: name of the change, see
-        `CHANGES`. `values`: factors above one, by which a quantity that falls is divided, or
-        further delays [s].
+        The status is the first other than "survived" in a wind. A rigid vehicle that rings counts
+        as surviving: its loop is unstable in the linear range, which the linear margin has. `name`:
+        name of the change, see `CHANGES`. `values`: factors above one, by which a quantity that
+        falls is divided, or further delays [s].
         """
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:

@@ -74,6 +74,7 @@ def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: F
     `pitch`, `yaw`: flights of both planes, changed in place. `normals`: normals of the limit shape,
     ``(k, 2)``; empty for a circle. `limit`: deflection limits [rad], ``(m,)``.
     """
+    # twice the samples of one plane, of which the time in plain Python is estimated
     fly = choice.fastest(
         kernel.fly_in_planes, 2.0 * float(_minimum_samples(pitch).sum()) * kernel.PLAIN
     )

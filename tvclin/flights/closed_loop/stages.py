@@ -322,6 +322,7 @@ class Stages:
         k = int(np.searchsorted(breaks, self.times[sample], side="right")) - 1
         low, high = (np.floor(x / _PRESSURE_RANGE) for x in (pressure.min(), pressure.max()))
         span = float(low * _PRESSURE_RANGE), float((high + 1.0) * _PRESSURE_RANGE)
+        # starts of samples in the interval: later ones have the next breakpoint inside
         ends = float(breaks[k]), float(breaks[k + 1]) - self.period
         key = (self.alike[flight], ends, span)
         if key not in self.surfaces:

@@ -43,7 +43,8 @@ def step_means(history: History, times: FloatArray, step: float) -> FloatArray:
 def by_history(history: History, times: FloatArray, step: float, limit: float) -> Steering:
     """Return the steering of a deflection history within the limit [rad].
 
-    `times`: equidistant times of the steps [s], ``(n,)``. `step`: step [s].
+    Measurements are not used. `times`: equidistant times of the steps [s], ``(n,)``. `step`: step
+    [s].
     """
     means = np.clip(step_means(history, times, step), -limit, limit).tolist()
     return lambda k, measured: means[k]
@@ -95,10 +96,11 @@ class TrimThenHold:
     def _switching_mean(self, k: int, without_wind: float) -> float:
         """Return the mean deflection [rad] of the step in which the control switches to the limit.
 
-        Trim is followed in 128 parts of the step up to the switch, the limit after it. `k`: number
-        of the step. `without_wind`: angle of attack [rad] without the wind, the demand over B.
+        Trim is followed in 128 parts of the step up to the switch, where it reaches K times the
+        limit (`_level`), and the limit after it, which is kept for all later steps. `k`: number of
+        the step. `without_wind`: angle of attack [rad] without the wind, the demand over B.
         """
-        fraction = np.linspace(-0.5, 0.5, _SWITCH_PARTS + 1)
+        fraction = np.linspace(-0.5, 0.5, _SWITCH_PARTS + 1)  # of the step, from its middle
         trim = self._B * (without_wind - self._wind(self._times[k] + fraction * self._step))
         i = int(np.argmax(np.abs(trim) >= self._level))
         sign = copysign(1.0, trim[i])
