@@ -201,7 +201,8 @@ def _print_details(result: Availability, source: str) -> None:
 def _said(balloon: Today, result: Availability) -> str:
     """Return the verdict on a sounding in words, with the judged times if these are a part.
 
-    `result`: availability with the flight, whose span is the whole.
+    `result`: availability with the flight, whose span is the whole. The judged times [s] are first
+    and last; a sounding that is not known has a reason in their place.
     """
     cut = balloon.judged != result.judge.flight.span and not balloon.why
     judged_times = "; from {:.4g} to {:.4g} s, the rest is not judged".format(*balloon.judged) * cut

@@ -267,12 +267,17 @@ class RuleResult(Record):
 
     @classmethod
     def of(cls, rule: str, case: StudyPlan, autopilot: Autopilot) -> "RuleResult":
-        """Return the result of an autopilot with the plant and the wind of a case."""
+        """Return the result of an autopilot with the plant and the wind of a case.
+
+        `rule`: name of the rule of its gains. The peak deflection [rad] is NaN for an unstable
+        loop, and where the delay is too long for its approximation.
+        """
         margins, peak = JudgedMargins.of(autopilot, case.plant, case.held_to), nan
         if margins.whole.stable:
             with suppress(InputError):  # the approximation of a long delay misleads
                 response = autopilot.continuous.wind_response(case.plant, case.history)
-                peak = abs(response.peak("deflection")[0])
+                value, _ = response.peak("deflection")  # with its time
+                peak = abs(value)
         return cls(rule, margins, float(peak))
 
 

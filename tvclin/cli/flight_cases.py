@@ -322,7 +322,8 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
 def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) -> Compared:
     """Return a flight with its linear theory, and with `boundary` also the flown boundary.
 
-    `length`: length of the flight [s]. `points`: number of its times.
+    `length`: length of the flight [s]. `points`: number of its times. A rate limit of the nozzle is
+    not flown, as the verdict says.
     """
     start, limit = float(case.wind.onset), case.limit
     times = np.linspace(start, start + length, points)

@@ -208,7 +208,10 @@ RINGS_MEANS = (
 
 
 def _word(status: str) -> str:
-    """Return the outcome of a flight in words, from its `FlownCases.status`."""
+    """Return the outcome of a flight in words, from its `FlownCases.status`.
+
+    A status other than survived, lost and limit cycle is explained.
+    """
     if status == NOT_KNOWN:
         return survival(None)
     fate = {"survived": "", "lost": "", "rings": ", limit cycle"}.get(

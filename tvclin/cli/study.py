@@ -49,7 +49,10 @@ class StudyWind(PulseOptions):
     )
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the pulse and the gust, at the time of the largest requirement."""
+        """Return a plan with the pulse and the gust, at the time of the largest requirement.
+
+        A gust of the file, with its time and its speed, is replaced. `source` is not used.
+        """
         plan = super().over(plan, source)
         if self.gust is None:
             return plan

@@ -178,7 +178,7 @@ class WindOptions(PulseOptions):
     def soundings_along(self, source: str) -> "dict[str, SoundingRequest]":
         """Return the soundings of --winds, a file or a folder, for a whole flight, by name.
 
-        `source`: file of the case, with keys of soundings.
+        `source`: file of the case, with keys of soundings. `InputError` for options of a pulse.
         """
         self._check_no_pulse()
         reading = SoundingReading.of(source_tables(source), Path(source).parent)

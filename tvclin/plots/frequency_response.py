@@ -467,6 +467,7 @@ def _frame_critical_point(axes: Axes, samples: LoopSamples, marks: list[Mark]) -
         label = f"disk margin {alpha:.2f}"
         style = {"ec": WARM, "ls": "--", "lw": 1.6, "zorder": 1.2}
         axes.add_patch(Circle((middle, 0.0), radius, label=label, fc=to_rgba(WARM, 0.1), **style))
+    # marks farther left than -4 are in the panel of the whole curve
     distances = [-mark.x for mark in marks if np.isfinite(mark.x) and mark.x > -4.0]
     width = max([2.2, *(1.2 * x for x in distances)])
     axes.set_xlim(-width, 1.2)

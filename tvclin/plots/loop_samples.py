@@ -193,7 +193,7 @@ def require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> No
 def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
     """Raise `InputError` if autopilot, plant or one of the others is a batch.
 
-    `figure`: name of the figure, for the message.
+    `figure`: name of the figure, for the message. A single one has the empty batch shape.
     """
     shapes = {"autopilot": autopilot.batch, "plant": plant.batch}
     shapes |= {name: value.batch for name, value in others.items()}

@@ -131,8 +131,9 @@ def _mark_poles(
     colour, size = cycle(COLOURS)[row], np.abs(poles)
     mark = {"marker": cycle(MARKS)[row], "ms": 8 - row, "mfc": "none", "mew": 1.6}
     lines = axes.plot(poles.real, poles.imag, ls="", color=colour, label=model, **mark)
-    inside = (size > named[0]) & (size <= named[1]) & (poles.imag >= 0.0)
-    lift = 12 + 14 * (row if named[0] >= 0.0 else row % 2)
+    smallest, largest = named
+    inside = (size > smallest) & (size <= largest) & (poles.imag >= 0.0)
+    lift = 12 + 14 * (row if smallest >= 0.0 else row % 2)  # the panel of the origin has less room
     for pole, residue in zip(poles[inside], strength[inside], strict=True):
         _write_residue(axes, pole, residue, lift, colour)
     return lines

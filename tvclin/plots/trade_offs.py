@@ -117,7 +117,10 @@ def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Cur
     loads = np.unique(np.concatenate([trade_off.loads, list(points.values())]))
 
     def interpolated(values: FloatArray) -> FloatArray:
-        """Return limits at the loads of the figure, from `values` at the loads of the trade-off."""
+        """Return limits at the loads of the figure, from `values` at the loads of the trade-off.
+
+        NaN below the smallest of the latter.
+        """
         return np.interp(loads, trade_off.loads, _broken(values), left=np.nan)
 
     values = {WIND_KNOWN: interpolated(trade_off.limits)}

@@ -325,6 +325,7 @@ def _body(attitude: float, path: float, wind: float, deflection: float) -> dict[
     same angles.
     """
     u, n = _axes_of(attitude)
+    # along the axis, and the side; the nose begins at 4.6
     corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
     outline = [a * u + sign * _RADIUS * n for a, sign in corners]
     aft, across = _axes_of(attitude + deflection)

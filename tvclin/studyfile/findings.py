@@ -240,7 +240,7 @@ def find(
                 return None
 
             def report(done: float, total: float) -> None:
-                """Report the steps of this result that are done, of a total."""
+                """Report the steps of this result that are done, of a total, as results done."""
                 if progress is not None:
                     progress(list(requests).index(name) + done / total, len(requests))
 

@@ -55,7 +55,9 @@ from tvclin.winds.wind_file import (
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
     """Return the plan of a document, whose campaign is checked too; exceptions as `load_study`.
 
-    `document`: tables of the file by name. `folder`: where the files that it names are.
+    `document`: tables of the file by name. `folder`: where the files that it names are. Each table
+    is read on its own, so that the faults of all are told together. The structure and the actuator
+    of the flight, and gains over it, are then taken at the time of the vehicle.
     """
     subject = subject_of(document, folder)
     if "cases" in document.get("campaign", {}):

@@ -263,7 +263,8 @@ def example() -> str:
 def study_template() -> str:
     """Return the study file to fill in: the example with its whole flight as comments.
 
-    The flight of the example belongs to its own vehicle.
+    The flight of the example belongs to its own vehicle. It reaches from [schedule] to the comment
+    on many cases; its lines of keys become comments, and comments stay.
     """
     head, heading, rest = example().partition("[schedule]\n")
     flight, many, others = rest.partition("# Many cases")

@@ -121,7 +121,9 @@ def _required(study: Study) -> Line:
 def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
     """Return the verdict on a limit [rad]: its surplus over a requirement, or its deficit.
 
-    `worst`: question with the requirement. `sufficient`: whether the limit covers it.
+    `worst`: question with the requirement. `sufficient`: whether the limit covers it. A requirement
+    of zero, or infinite, has its own sentence. The difference is in deg, and in percent of the
+    requirement up to `_MAX_PERCENT`.
     """
     if not worst.required_deflection:
         return (_NOTHING,)
@@ -263,7 +265,10 @@ def questions_table(findings: Findings) -> Table:
 
 
 def _worst_first(question: Question) -> tuple[int, float]:
-    """Return the sort key of a question: no, not known, yes, each by required over available."""
+    """Return the sort key of a question: no, not known, yes, each by required over available.
+
+    A question without these numbers comes last among its equals.
+    """
     ratio = np.nan if question.measure is None else question.measure.ratio
     return (False, None, True).index(question.yes), np.inf if np.isnan(ratio) else -ratio
 

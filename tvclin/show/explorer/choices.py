@@ -311,6 +311,7 @@ def idle_controls(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, 
     """Return the controls without effect at the values of the others, each with the reason.
 
     `base`: plan of the file. `vehicle`: the chosen vehicle. `v`: values of the controls, by field.
+    A control with an effect has False for its reason, and is left out.
     """
     both_planes = v["plane"] == BOTH
     slanting = both_planes or v["direction"] == FROM_SIDE
