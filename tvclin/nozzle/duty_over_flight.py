@@ -320,8 +320,10 @@ class _Conditions:
     def _flown(self, point: DutyPoint, vehicle: Vehicle, wind: History, interval: Any) -> DutyPoint:
         """Return a point with its flight, and the duty in an interval of it.
 
-        `point`: time, wind, plane and limit. `vehicle`: frozen, in the air of that wind. `wind`:
-        wind angle [rad]. `interval`: begin and end [s]; None: the entire flight.
+        With noise of the sensor its share is taken from 7.5 to 15 time constants of the fast mode
+        after the wind, where noise alone moves the nozzle. `point`: time, wind, plane and limit.
+        `vehicle`: frozen, in the air of that wind. `wind`: wind angle [rad]. `interval`: begin and
+        end [s]; None: the entire flight.
         """
         case = Case(
             vehicle=vehicle.replace(structure=None) if vehicle.structure else vehicle,

@@ -48,8 +48,10 @@ _HALF_RELIEF_DAMPING = 1.2
 def canonical_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
     """Return the autopilot with a0 = 2B and a1 = B/beta.
 
-    On eq (5), without actuator and delay, the closed loop is s^2 + beta s + beta^2: natural
-    frequency beta, damping ratio 0.5. A damping d of the vehicle comes on top: (beta + d) s.
+    On a fixed path, eq (5) of Borsody and Teren, without actuator and delay, the closed loop is s^2
+    + beta s + beta^2 with beta = sqrt(mu_alpha): natural frequency beta, damping ratio 0.5. A
+    damping d of the vehicle comes on top: (beta + d) s. B is the trim deflection per angle of
+    attack.
 
     Parameters
     ----------
@@ -79,7 +81,7 @@ def canonical_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
 def design_gains(
     plant: PlantOrVehicle, *, natural_frequency: ArrayLike, damping: ArrayLike, **options: Any
 ) -> Autopilot:
-    """Return the autopilot that gives eq (5) a specified natural frequency and damping ratio.
+    """Return the autopilot that gives a fixed path a specified natural frequency and damping ratio.
 
     Without actuator and delay, d being the vehicle's own damping, the closed loop is
     s^2 + (mu_delta a1 + d) s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2.

@@ -196,6 +196,7 @@ def deflection_peaks(
     widths = np.append(np.diff(pieces.knots), after)
     state = np.zeros((m, matrix.shape[-1]), dtype=np.result_type(matrix, starts))
     highest = np.zeros(m)
+    # Each piece of the wind between breakpoints, and the time after it, with a row of its states z.
     for width, start in zip(widths.tolist(), starts, strict=True):
         count = int(np.ceil(_STEPS * max(width / widths.sum(), 0.1)))  # see _STEPS
         state[:, n:] = start

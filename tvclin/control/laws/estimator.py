@@ -124,7 +124,7 @@ class EstimatedLaw(Law):
             raise errors.InputError(
                 "law has an estimator already; give it the angle of attack of one"
             )
-        self.estimator.states(self.plant)
+        self.estimator.states(self.plant)  # refuses a batch, and a plant without mu_alpha
         for name in ("engage", "release"):
             object.__setattr__(self, name, getattr(self.law, name))
 
@@ -140,7 +140,7 @@ class EstimatedLaw(Law):
         direct = G_law.copy()
         direct[:, 0] += G_law[:, 3]  # theta - d^ replaces alpha, and q^ replaces theta'
         direct[:, [1, 3]] = 0.0
-        coupling = np.column_stack([G_law[:, 1], -G_law[:, 3]])
+        coupling = np.column_stack([G_law[:, 1], -G_law[:, 3]])  # on q^ and d^
         zeros = np.zeros((2, len(F_law)))
         return np.block([[F, zeros], [coupling, F_law]]), np.vstack([G, direct])
 

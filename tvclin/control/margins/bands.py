@@ -187,7 +187,9 @@ def closed_mode_poles(terms: Terms) -> AnyArray:
     """Return the closed-loop poles of n modes of k loops, ``(k, n)``, in the variable of the loop.
 
     `terms`: their partial fractions. A mode's pole p is continued as the gain g rises from zero to
-    one, by Newton's iteration on (s - p)(1 + g L) = 0, which has no pole at p.
+    one, by Newton's iteration on (s - p)(1 + g L) = 0, which has no pole at p; it starts just
+    beside p. `form` has L and its slope over s, or over w if sampled. A mode without a residue
+    stays at p.
     """
     p = terms.poles
     s = p * (1.0 - _START_OFFSET)
@@ -395,6 +397,7 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     crosses = np.any(~np.isnan(owned.phases), axis=-1)  # |L| is one at an owned frequency
     by_phase = crosses | (dominant & (peak >= 1.0))
     kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
+    # Kinds: the first that holds of closed-loop pole unstable, |L| up to one, not the largest term.
     # Phases up to -1: the smallest positive one is the lag margin, the smallest negative the lead.
     signed = (np.where(phase > 0.0, phase, np.nan) for phase in (owned.phases, -owned.phases))
     lags = [row_minimum(phase, analysis.gain_frequencies)[0] for phase in signed]
