@@ -803,6 +803,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Filter.notch": Door(
             tv.vehicle.Filter.notch, {"frequency": 32.0, "zero_damping": 0.06, "pole_damping": 0.6}
         ),
+        "FlightComparison.in_unknown_wind": Door(beside.in_unknown_wind, {}),
         "FlightComparison.peaks": Door(beside.peaks, {"name": "attitude"}),
         "FlightSchedule": Door(
             tv.FlightSchedule,

@@ -286,7 +286,34 @@ def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
         sized["required_deg"]["K = 1"][0][0], rel=1e-6
     )
     assert flown["wind"]["shape"] == "wyoming.txt"
-    assert flown["survived"] is True
+    assert flown["survived"] is None  # the excerpt has gaps of more than 2 km
+
+
+@pytest.mark.parametrize(
+    "engine",
+    usual([[], ["--law", "autopilot"], ["--engine", "planar-varying"]], 0, 1),
+)
+def test_a_flight_through_gaps_of_a_sounding_is_not_known_to_survive(tmp_path, engine):
+    """A limit too small stays so, and levels every kilometre on the same lines are known."""
+    heights, winds = np.arange(0.0, 21.0), tmp_path / "jet.csv"
+    options = [*engine, "--winds", winds, "--azimuth-deg", 90]
+    answers = {}
+    for step in (1, 10):
+        speeds = np.interp(heights[::step], [0.0, 10.0, 20.0], [3.0, 30.0, 10.0])
+        rows = [f"{h:g},{v},270" for h, v in zip(heights[::step], speeds, strict=True)]
+        text = "\n".join(["altitude_km,speed_m_per_s,direction_deg", *rows, ""])
+        winds.write_text(text, encoding="utf-8")
+        for limit in (0.6, 0.15):
+            done = run(*options, "--limit-deg", limit, "--json")
+            answers[step, limit] = done.exit_code, json.loads(done.stdout)["survived"]
+    assert answers == {
+        (1, 0.6): (0, True),
+        (1, 0.15): (1, False),
+        (10, 0.6): (1, None),
+        (10, 0.15): (1, False),
+    }
+    printed = run(*options, "--limit-deg", 0.6).stdout
+    assert "the wind is not known from 0 to 10 km and in 1 other gap" in " ".join(printed.split())
 
 
 def test_a_note_on_what_is_not_counted_names_a_command_that_answers_for_the_wind():

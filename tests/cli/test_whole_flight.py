@@ -277,13 +277,39 @@ def test_a_limit_too_small_is_no_survival(folder) -> None:
 
 
 @pytest.mark.thorough
+def write_sounding(file, speed, top=40000, distance=1000):
+    """Write a jet of a speed [m/s] at 12 km, with levels up to `top` [m] at equal distances [m]."""
+    heights = np.arange(0, top + 1, distance)
+    east = np.interp(heights, [0, 5e3, 9e3, 12e3, 16e3, top], [0, 10, 35, speed, 20, 0])
+    rows = [f"{h},{v},0" for h, v in zip(heights, east, strict=True)]
+    text = "\n".join(["height_m,east_m_per_s,north_m_per_s", *rows, ""])
+    file.write_text(text, encoding="utf-8")
+
+
+def test_a_flight_through_gaps_of_a_sounding_is_not_known_to_survive(folder, tmp_path) -> None:
+    """In one plane and in both; a limit too small stays so."""
+    winds = tmp_path / "jet.csv"
+    write_sounding(winds, 55, distance=3000)
+    words = ("fly", folder / "study.toml", "--winds", winds, "--azimuth-deg", "80")
+    for limit, survived in (("0.6", None), ("0.1", False)):
+        for plane in ("pitch", "both"):
+            shape = ("--set", "nozzle.limit_shape", "round") * (plane == "both")
+            done = run(*words, "--limit-deg", limit, *shape, "--json")
+            (flown,) = json.loads(done.stdout)["flights"]
+            assert (done.exit_code, flown["survived"]) == (1, survived), (limit, plane)
+            if survived is None:
+                assert flown["reason"].startswith("the wind is not known from ")
+    (tmp_path / "known").mkdir()
+    write_sounding(tmp_path / "known" / "jet.csv", 55)
+    known = run(*words[:3], tmp_path / "known" / "jet.csv", *words[4:], "--limit-deg", "0.6")
+    assert (known.exit_code, known.stdout[:8]) == (0, "SURVIVED")
+
+
 def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     archive = folder / "soundings"
     archive.mkdir(exist_ok=True)
     for day, speed in (("01", 55), ("02", 95)):
-        rows = f"0,0,0\n5000,10,0\n9000,35,0\n12000,{speed},0\n16000,20,0\n40000,0,0\n"
-        text = f"height_m,east_m_per_s,north_m_per_s\n{rows}"
-        (archive / f"2024-01-{day}T00.csv").write_text(text, encoding="utf-8")
+        write_sounding(archive / f"2024-01-{day}T00.csv", speed)
     words = ("--winds", archive, "--azimuth-deg", "90", "--limit-deg", "0.4")
     result = run("fly", folder / "study.toml", *words)
     assert result.exit_code == 1
@@ -295,9 +321,7 @@ def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
 
 def test_dispersed_vehicles_fly_along_the_flight_in_drawn_soundings(folder, tmp_path) -> None:
     for day, speed, top in (("01", 55, 40000), ("02", 95, 40000), ("03", 55, 18000)):
-        rows = f"0,0,0\n5000,10,0\n9000,35,0\n12000,{speed},0\n16000,20,0\n{top},0,0\n"
-        text = f"height_m,east_m_per_s,north_m_per_s\n{rows}"
-        (tmp_path / f"2024-01-{day}T00.csv").write_text(text, encoding="utf-8")
+        write_sounding(tmp_path / f"2024-01-{day}T00.csv", speed, top)
     study = folder / "dispersed.toml"
     text = (folder / "study.toml").read_text(encoding="utf-8")
     further = '[campaign]\nalong = true\nmethod = "latin"\n'  # which draws each sounding once

@@ -269,6 +269,16 @@ def _sounding_in_planes(
     return winds
 
 
+def sounding_gaps(profile: WindProfile, flight: FlightSchedule, first: float, last: float) -> str:
+    """Return the gaps of a sounding that a flight crosses between two times, in words.
+
+    In gaps (`WindProfile.gaps_between`) the wind is not known; empty without one. `profile`: the
+    sounding. `first`, `last`: times of flight [s].
+    """
+    low, high = np.interp([first, last], flight.times, flight.height).tolist()
+    return profile.gaps_between(low, high)
+
+
 WINDOW_S = 20.0
 """Default length [s] of the part of a sounding that counts, about the time of the vehicle."""
 _TIME = "the vehicle's time"
@@ -337,6 +347,14 @@ class SoundingWind(VehicleWind):
                 f"{self.name} is known from {first:.6g} to {last:.6g} s of flight only; the wind"
                 " beyond is not counted"
             )
+
+    def gaps(self, vehicle: Any) -> str:
+        """Return the gaps of the sounding within the window of a vehicle, in words; often empty.
+
+        `vehicle`: has the time of flight.
+        """
+        time, half = self._time(vehicle), self.window / 2
+        return sounding_gaps(self.profile, self.schedule, time - half, time + half)
 
     def _along(self, plane: str) -> MeasuredWind:
         """Return the wind in a plane, pitch or yaw, along the whole flight."""

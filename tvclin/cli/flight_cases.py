@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.nominal_flight import FlightCondition
+from tvclin.ascent.wind_along import SoundingWind
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.lines import Table
 from tvclin.base.quantities import NOMINAL, survival
@@ -192,6 +193,13 @@ class Flying:
         """The wind [rad]."""
         return self.case.history
 
+    @property
+    def unknown_wind(self) -> str:
+        """Reason why survival is not known in the wind: gaps of a sounding; often empty."""
+        wind = self.case.wind
+        gaps = wind.gaps(self.case.vehicle) if isinstance(wind, SoundingWind) else ""
+        return f"the wind is not known {gaps}" if gaps else ""
+
     def designed(self, plant: Plant) -> ReportControl | Law:
         """Return the report's control, or the law designed on a plant, with dead band or gains.
 
@@ -329,6 +337,9 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     times = np.linspace(start, start + length, points)
     arguments = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
     flight = compare_flight(case.vehicle, case.control, case.wind, times, **arguments)
+    unknown = case.unknown_wind
+    if unknown:
+        flight = flight.in_unknown_wind()
     ratio_text = f"{limit / case.boundary:.4g} times the linear boundary"
     rate = "" if case.case.nozzle.rate_limit is None else " and no rate limit"
     return Compared(
@@ -342,6 +353,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         verdict=(
             f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg{rate} at {case.pressure}"
             f" dynamic pressure; linear theory: {survival(flight.predicted)}"
+            f"{unknown and f'; {unknown}'}"
         ),
         flight_notes=tuple(_flight_notes(case, flight)),
         title=f"{case.title}; limit {np.degrees(limit):.3f} deg, {ratio_text}".replace("\n", ": "),

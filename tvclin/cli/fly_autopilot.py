@@ -141,6 +141,8 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
     flight = fly_sampled(
         case.plant, case.control, case.wind, times, deflection_limit=limit, **case.case.hardware
     )
+    if case.unknown_wind:
+        flight = flight.in_unknown_wind()
     return _compared(case, limit, flight, boundaries)
 
 
@@ -158,6 +160,7 @@ def _compared(
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     rate = case.case.nozzle.rate_limit
     rigid = f"; rigid: {_word(flight.status[1])}" if case.bends else ""
+    unknown = case.unknown_wind and f"; {case.unknown_wind}"
     turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
         case=case,
@@ -169,7 +172,8 @@ def _compared(
         if boundaries
         else None,
         heads=[case.title],
-        verdict=f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL}{rigid}",
+        verdict=f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL}{rigid}"
+        + unknown,
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
         title=(
             f"{flight_title(case)}; {case.plant.model}, limit {np.degrees(limit):.3f} deg{turning}"
@@ -320,7 +324,10 @@ class AutopilotFlight:
         if self.flight is not None and self.flight.flight.survived is False:
             return False
         if self.requirement is not None:
-            return self.requirement.sufficient(limit)
+            sufficient = self.requirement.sufficient(limit)
+            return None if sufficient and self.linear.unknown_wind else sufficient
+        if self.linear.unknown_wind:
+            return None
         within = self.compared.peak_deflection <= limit
         return True if within and self.compared.peak_deflection_rate <= max_rate else None
 
@@ -465,7 +472,9 @@ class AutopilotFlight:
         if self.sufficient is None:
             bound = f"sufficient {NOMINAL}, and below the bound for a head wind"
             reason = bound if self.requirement is not None else self.reason
-            word += f", {self.unknown_reason or reason}"
+            reason = self.unknown_reason or self.linear.unknown_wind or reason
+            if self.flight is None or reason not in self.flight.verdict:
+                word += f", {reason}"
         elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):
             uses = f"{degrees(worst.peak_deflection):.3f} deg in one of {worst.duration:.3g} s"
             word += f" in this wind; without a limit the autopilot uses {uses}"

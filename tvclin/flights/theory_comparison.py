@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,7 +55,7 @@ class FlightComparison:
         The wind angle [rad].
     survived, predicted : bool or None
         Whether the flight survives the wind, and whether it does in linear theory; None in a wind
-        beyond the linear aerodynamics that both assume.
+        beyond the linear aerodynamics that both assume, and for `in_unknown_wind`.
     let_go : tuple of float
         Times [s], flown and linear, at which the limit of the report's control, held for ever
         otherwise, is released: at zero attitude, if the flight survives. Infinite if that is later
@@ -137,6 +137,16 @@ class FlightComparison:
     def beyond_linear(self) -> str:
         """Reason of `beyond_linear` why survival is not known in this wind; else empty."""
         return beyond_linear(float(self.wind.peak))
+
+    def in_unknown_wind(self) -> Self:
+        """Return the comparison where parts of the wind are not known: no flight survives for sure.
+
+        A flight that is lost stays so.
+        """
+        survived, predicted = (
+            False if x is False else None for x in (self.survived, self.predicted)
+        )
+        return replace(self, survived=survived, predicted=predicted)
 
     @property
     def outcomes(self) -> tuple[str, str]:
@@ -340,7 +350,7 @@ def _linear(
 
 
 NOT_KNOWN = "not known"
-"""Status of a flight in a wind beyond linear aerodynamics."""
+"""Status of a flight in a wind beyond linear aerodynamics, or of which parts are not known."""
 OUTCOME_WORDS = {
     "survived": "survives",
     "lost": "is lost",
@@ -364,6 +374,11 @@ class SampledFlight(FlightComparison):
     peak_rates: tuple[float, float]
 
     ranges = (MAX_ATTITUDE, MAX_ATTITUDE)
+
+    def in_unknown_wind(self) -> Self:
+        """Return the comparison where parts of the wind are not known, with status and outcome."""
+        flown, rigid = (NOT_KNOWN if x == SURVIVED else x for x in self.status)
+        return replace(super().in_unknown_wind(), status=(flown, rigid))
 
     @property
     def outcomes(self) -> tuple[str, str]:

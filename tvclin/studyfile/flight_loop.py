@@ -12,7 +12,7 @@ import numpy as np
 
 from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.ascent.wind_along import wind_along
+from tvclin.ascent.wind_along import sounding_gaps, wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, number
@@ -202,7 +202,7 @@ class FlightLoop:
                 if flown.status != "lost":
                     used = np.fmax(used, _used(case, flown, times))
                 flown = within_linear_range(flown)
-                of_case.append(FlightOutcome.of(case, sign, flown, self._omitted(case.wind)))
+                of_case.append(FlightOutcome.of(case, sign, flown, self._omitted(case)))
                 if of_case[-1].is_worst_of([*outcomes, *of_case]):
                     best = flown
             outcomes.append(max(of_case, key=_severity))
@@ -358,18 +358,20 @@ class FlightLoop:
         both = self.plan.sign is None and self.plan.planes == "pitch"
         return tuple(SIGNS) if both else (self.plan.sign,)
 
-    def _omitted(self, wind: FlownWind) -> str:
+    def _omitted(self, case: _Wind) -> str:
         """Return why survival in a wind is not known throughout, in words; empty if it is.
 
-        A sounding is known between its first and its last level; the flight of the sizing may begin
-        before and end after. A pulse is known throughout.
+        A sounding is known between its first and its last level, except in gaps between levels; the
+        flight of the sizing may begin before and end after. A pulse is known throughout.
         """
-        if not isinstance(wind, MeasuredWind | MeasuredPlanes):
+        if not isinstance(case.wind, MeasuredWind | MeasuredPlanes):
             return ""
-        (first, last), (low, high) = self.flight.span, wind.known
+        (first, last), (low, high) = self.flight.span, case.wind.known
         first, last = _or(self.request.start, first), _or(self.request.stop, last)
         if low <= first and last <= high:
-            return ""
+            profile = self.request.soundings[case.name].profile
+            gaps = sounding_gaps(profile, self.flight, first, last)
+            return f"the wind is not known {gaps}" if gaps else ""
         begin, end = hundredths(low, up=True), hundredths(high, up=False)
         return f"the wind is known from {begin} to {end} s alone (--set size.from_s, size.to_s)"
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tvclin.ascent.measured_wind import GustOf, fly_through, gust_at, gust_of_speed
 from tvclin.ascent.schedule import FlightSchedule
+from tvclin.ascent.wind_along import sounding_gaps
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import checked, file_table, flag, quantity, text, word
@@ -452,9 +453,11 @@ class SizingRequest:
         With a window they are those within half of it.
         """
         half = 0.5 * (self.window or 0.0)
-        ends = np.array([times.min() - half, times.max() + half])
-        bottom, top = np.interp(ends, self.schedule.times, self.schedule.height).tolist()
-        gaps = {k: x.profile.gaps_between(bottom, top) for k, x in self.soundings.items()}
+        first, last = float(times.min()) - half, float(times.max()) + half
+        gaps = {
+            name: sounding_gaps(sounding.profile, self.schedule, first, last)
+            for name, sounding in self.soundings.items()
+        }
         return tuple(f"{gap}, in a gap of {name}" for name, gap in gaps.items() if gap)
 
     def _mode(self, case: Case, sizing: Sizing) -> FlightMode | None:
