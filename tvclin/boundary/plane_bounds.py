@@ -462,7 +462,10 @@ class _Moments:
 
     @cached_property
     def cells(self) -> Vectors:
-        """Integrals of a p e^(-p t) over each cell, complex ``(k, n)``, of k poles p and axes a."""
+        """Integrals of a p e^(-p t) over each cell, complex ``(k, n)``, of k poles p and axes a.
+
+        a is 1 for a pole of pitch and j for one of yaw; the cells are intervals of `edges` [s].
+        """
         decayed = np.exp(-self.poles[:, np.newaxis] * self.edges)
         return self.axes[:, np.newaxis] * (decayed[:, :-1] - decayed[:, 1:])
 

@@ -203,7 +203,7 @@ def _requirement_after_trim(
         """
 
         def excess(t: float) -> float:
-            """Return the gauge of the driver at `t` [s] minus K L [rad]."""
+            """Return the gauge of the driver, trim or -B alpha_w, at `t` [s] minus K L [rad]."""
             return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
         # at the end of the wind without an earlier exit of the dead band

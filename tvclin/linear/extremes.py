@@ -87,11 +87,11 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
 
     times = probe_times(0.0, length, deflection, wind)
     towards = sign * attitude(times)  # positive where the wind turns the vehicle to
-    high = refined_maximum(lambda t: sign * attitude(t), times, towards)
-    low = refined_maximum(lambda t: -sign * attitude(t), times, -towards)
+    highest, highest_time = refined_maximum(lambda t: sign * attitude(t), times, towards)
+    lowest, lowest_time = refined_maximum(lambda t: -sign * attitude(t), times, -towards)
     return Extremes(
-        with_wind=at(high[1]) if high[0] > smallest else None,
-        against_wind=at(low[1]) if low[0] > smallest else None,
+        with_wind=at(highest_time) if highest > smallest else None,
+        against_wind=at(lowest_time) if lowest > smallest else None,
         back_at_zero=_last_zero(attitude, times, np.where(abs(towards) > smallest, towards, 0.0)),
         at_wind_end=at(float(wind.end)) if wind.end <= length else None,
         at_end=at(length),

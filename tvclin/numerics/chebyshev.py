@@ -190,7 +190,7 @@ class Surface:
 
         `name`: name of the array. `part`: index of the elements that are written, after its first
         axis. `factors`: factors of the points, ``(m, 2 points)``, from `factors`. `out`: ``(m,
-        ...)``.
+        ...)``. They are the values at the first Chebyshev point plus factors times differences.
         """
         table = self.table[name][:, part]
         values = factors @ table.reshape(len(table), -1)
