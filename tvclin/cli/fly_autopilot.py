@@ -297,7 +297,10 @@ class AutopilotFlight:
 
     @property
     def unknown_reason(self) -> str:
-        """Reason why the linear theory gives no answer in this wind; empty if it does."""
+        """Reason why the linear theory gives no answer in this wind; empty if it does.
+
+        It is the wind angle, or else the largest angle of attack without a limit.
+        """
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         return beyond_linear(float(self.compared.wind.peak)) or beyond_linear(attack, ATTACK)
 

@@ -74,7 +74,7 @@ def case_of(
 
 
 def keys_set(source: str) -> tuple[str, ...]:
-    """Return the keys of --set on a source."""
+    """Return the keys of --set on a source; empty for a file or name with none set."""
     return source.keys if isinstance(source, EditedSource) else ()
 
 

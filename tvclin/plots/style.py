@@ -183,7 +183,7 @@ def broken_lines(labels: Sequence[str], width: float = 1.6) -> dict[str, Style]:
 
 
 def law_styles(names: Iterable[str]) -> dict[str, Style]:
-    """Return the line styles of laws by name, with a marker at each number."""
+    """Return the line styles of laws, of five at most, by name, with a marker at each number."""
     kinds = zip(names, (*COLOURS[:3], COLOURS[4], WARM), LINES, strict=False)
     return {
         name: {"color": colour, "ls": line, "lw": 1.8, "marker": "o", "ms": 3.5}
@@ -446,7 +446,7 @@ def place_numbers(*panels: "Axes") -> None:
 
 
 def _lay_out(panels: "Sequence[Axes]") -> None:
-    """Compute the layout of a figure's panels without drawing them."""
+    """Compute the layout of the `panels` of one figure, all of them, without drawing them."""
     figure: Any = panels[0].figure
     figure.get_layout_engine().execute(figure)
     for axes in panels:

@@ -499,7 +499,8 @@ def _flight(
     """Return the sizing of the flight of a plan, its worst total, and its turbulence.
 
     The turbulence is a text with the reason if it is not known, and None without turbulence.
-    `request`: flight, winds and dead bands. `progress`: called with steps done and in total.
+    `request`: flight, winds and dead bands. `progress`: called with steps done and in total. The
+    total is that at the flight time at which it is largest, with turbulence as one of its parts.
     """
     sizing = request.sizing(plan, progress)
     turbulence = request.turbulence(plan, plan.turbulence)

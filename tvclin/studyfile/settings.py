@@ -209,7 +209,8 @@ def _study(
 def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> str:
     """Return the source of a vehicle, with keys of its file set.
 
-    `source`: name or path. `tables`: those of its file. `settings`: keys and values.
+    `source`: name or path. `tables`: those of its file. `settings`: keys and values. `InputError`
+    for keys of a flight schedule, whose columns are not those of a vehicle file.
     """
     if settings and is_schedule(source):
         raise InputError(

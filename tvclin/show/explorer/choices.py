@@ -474,7 +474,10 @@ def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
 
 
 def _wind(wind: Any) -> list[tuple[str, Table]]:
-    """Return the tables of a study file for a wind and its gust."""
+    """Return the tables of a study file for a wind and its gust.
+
+    A direction is written relative to that of flight, north: `azimuth_deg` is zero.
+    """
     assert isinstance(wind, ShapedWind)
     peak = _peak(float(wind.peak), wind.speed)
     table: Table = {"shape": wind.shape, **peak, "duration_s": wind.duration}
