@@ -397,7 +397,7 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     crosses = np.any(~np.isnan(owned.phases), axis=-1)  # |L| is one at an owned frequency
     by_phase = crosses | (dominant & (peak >= 1.0))
     kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
-    # Kinds: the first that holds of closed-loop pole unstable, |L| up to one, not the largest term.
+    # The first kind that holds: closed-loop pole unstable, |L| reaches one, not the largest term.
     # Phases up to -1: the smallest positive one is the lag margin, the smallest negative the lead.
     signed = (np.where(phase > 0.0, phase, np.nan) for phase in (owned.phases, -owned.phases))
     lags = [row_minimum(phase, analysis.gain_frequencies)[0] for phase in signed]
