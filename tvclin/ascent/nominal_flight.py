@@ -263,7 +263,8 @@ class NominalFlight:
     def _integrated(self, begin: FloatArray, end: float) -> Any:
         """Return the function from times [s] to `states`, from the vehicle's time to `end` [s].
 
-        `begin`: state at the vehicle's time, ``(3,)``.
+        `begin`: state at the vehicle's time, ``(3,)``. `InputError` for a flight that leaves the
+        atmosphere before the end.
         """
         if end == self._time:
             return lambda t: begin if np.ndim(t) == 0 else np.outer(begin, np.ones(np.size(t)))

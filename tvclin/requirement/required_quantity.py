@@ -61,6 +61,7 @@ class Requirement:
     direction: str = word(("", *DIRECTIONS), "")
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` as the class says."""
         checked(self)
 
     @property

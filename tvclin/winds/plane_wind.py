@@ -183,7 +183,11 @@ class PlaneWind:
 
     @cached_property
     def peak(self) -> FloatArray:
-        """Largest size of the wind vector [rad], shape ``batch``; not formed of the two peaks."""
+        """Largest size of the wind vector [rad], shape ``batch``.
+
+        The peaks of pitch and yaw may be at different times: it is that of the component along its
+        direction, or, where the direction changes, the root of the peak of the squared size.
+        """
         along_direction = np.abs(self.component(self.direction).peak)
         if np.all(self.unidirectional):
             return along_direction

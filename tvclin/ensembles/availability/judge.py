@@ -360,6 +360,9 @@ class Judge:
     ) -> Iterator[tuple[int, MarchedWinds]]:
         """Iterate over indices of planes, and all winds in the plane that a flight must survive.
 
+        They are the n winds with each sign of growth, gust and unknown wind, and each time of the
+        gust, with bounds of what they require.
+
         `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: index of the
         azimuth. `strong`: whether a wind that is not known is strong, or calm.
         """

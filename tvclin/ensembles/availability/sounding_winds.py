@@ -340,6 +340,7 @@ class SoundingWinds:
         `gaps`: indices of the lower levels of the gaps, as in the attribute.
         """
         has_gap = np.zeros(self.offsets.size - 1, dtype=bool)
+        # each level belongs to the sounding with the last offset at or below it
         has_gap[np.searchsorted(self.offsets, gaps, side="right") - 1] = True
         return has_gap
 

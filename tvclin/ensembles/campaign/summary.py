@@ -139,7 +139,7 @@ class CampaignSummary(Shown):
 
     @property
     def trusts_a_forecast(self) -> bool:
-        """Whether the output is a boundary with a dead band below one."""
+        """Whether the output is a boundary with a dead band K < 1, for which the wind is known."""
         bands = {required_name(K): K for K in self.results.campaign.dead_bands}
         bands |= {k: K for name, K in bands.items() for k in plane_columns(name).values()}
         return bands.get(self.output, 1.0) < 1.0

@@ -205,6 +205,7 @@ class DeflectionUse(Tabled):
         )
 
     def _repr_html_(self) -> str:
+        """Return the table of all times in HTML, for notebooks."""
         return table(self.table())
 
     def _columns(self) -> Columns:

@@ -112,7 +112,7 @@ class LargestInTurbulence(Shown):
     @property
     @derived("angle")
     def travel_deviation(self) -> float | None:
-        """Standard deviation of that travel over flights [rad], from its variance."""
+        """Standard deviation of the travel over flights [rad]; None for a rate without variance."""
         return None if self.travel is None else self.travel.deviation
 
 

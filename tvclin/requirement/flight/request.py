@@ -73,6 +73,7 @@ class SoundingRequest:
     bias: WindProfile | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for another type, and a direction out of range."""
         errors.instance("profile", self.profile, WindProfile, "see read_sounding")
         object.__setattr__(self, "azimuth", errors.bearing("azimuth", self.azimuth))
         if self.bias is not None:
@@ -307,6 +308,7 @@ class SizingRequest:
     scheduled_design: AutopilotDesign | None = None
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` as the class says."""
         errors.instance("schedule", self.schedule, FlightSchedule, "see load_schedule")
         object.__setattr__(
             self, "others", errors.each("others", self.others, ShapedWind, "of one shape")

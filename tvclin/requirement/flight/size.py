@@ -138,6 +138,7 @@ def _required(
     corners = {
         name: rectangle(limit_shape, pitch.required[name], yaw.required[name]) for name in defined
     }
+    # how far the shape with the limit one reaches, in pitch and in yaw
     supports = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     larger = {  # a stop reaches no further in a plane than its support
         name: np.maximum(pitch.required[name] / supports[0], yaw.required[name] / supports[1])

@@ -50,6 +50,7 @@ class Line(Record):
     kind: str = word(KINDS, "systematic")
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for a negative deflection and an unknown kind."""
         checked(self, "kind", "name")
         name = self.name or "deflection"
         size = errors.number(name, self.deflection, errors.nonnegative, "rad")
@@ -96,6 +97,7 @@ class DeflectionTotal(Shown):
     end: str = text("", card=False, document=False)
 
     def __post_init__(self) -> None:
+        """Check the fields; `InputError` for numbers out of range, and other types."""
         object.__setattr__(self, "lines", errors.each("lines", self.lines, Line, "of a total"))
         object.__setattr__(
             self, "not_sized", errors.each("not_sized", self.not_sized, str, "a place")

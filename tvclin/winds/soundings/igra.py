@@ -315,8 +315,8 @@ class _StationStream:
 def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
     """Return the levels of soundings from their lines.
 
-    `numbers`: line numbers in the file, one for each line. `counts`: number of lines of each
-    sounding.
+    Lines have fixed columns, speeds in tenths of m/s and directions in degrees. `numbers`: line
+    numbers in the file, one for each line. `counts`: number of lines of each sounding.
     """
     characters = np.array(lines or [b""], dtype=f"S{_MAX_LINE_WIDTH}")[: len(lines)]
     letters = characters.view(np.uint8).reshape(len(lines), _MAX_LINE_WIDTH)
@@ -395,6 +395,7 @@ def collect_levels(
         np.concatenate([rows.height[ascending], heights]),
     )
     count = partial(np.bincount, minlength=len(why))
+    # numbers of levels by sounding
     falls = count(sunk) > count(rows.sounding[ascending])
     counts = count(rows.sounding[index])
     faults = {"more than half of its levels lie below the one before": falls, TOO_FEW: counts < 2}
