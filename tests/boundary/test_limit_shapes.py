@@ -198,7 +198,7 @@ def test_thrusts_that_are_not_about_the_axis_must_be_trimmed():
         (lambda: PolygonShape([2.0, 3.0, 2.0 + 1.0j]), "has zero inside"),
         (lambda: PolygonShape(unit(np.arange(5) * 144.0)), "once around"),
         (lambda: PolygonShape([1.0, 1.0j]), "3 to 10000"),
-        (lambda: SquareShape(np.inf), "turn must be finite"),
+        (lambda: SquareShape(np.inf), "rotation must be finite"),
         (lambda: CircularShape().gauge("x"), "vector must be numbers"),
         (lambda: ClusterEngine(at=1.0, deflection=0.5), 'or state "stuck"'),
         (lambda: ClusterEngine(at=1.0, state="stuck", deflection=1.1), "within the stop"),

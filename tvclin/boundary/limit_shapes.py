@@ -330,7 +330,7 @@ class SquareShape(PolygonShape):
 
     def __init__(self, rotation: float = 0.0) -> None:
         """Make the square of half width one that is turned by `rotation` [rad]."""
-        angle = errors.number("turn", rotation, errors.directions, "rad")
+        angle = errors.number("rotation", rotation, errors.directions, "rad")
         PolygonShape.__init__(
             self, np.array([1.0 - 1.0j, 1.0 + 1.0j, -1.0 + 1.0j, -1.0 - 1.0j]) * unit_vector(angle)
         )

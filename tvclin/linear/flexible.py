@@ -472,7 +472,7 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
     vehicle : Vehicle or LinearVehicle
         The vehicle; its `rigid` has no structure.
     model : str, optional
-        See `Plant`; `usual_model` of the vehicle where it is not given.
+        See `Plant`; `default_model` of the vehicle where it is not given.
     plane : {"pitch", "yaw"}
         The plane of motion.
 
