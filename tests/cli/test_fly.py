@@ -111,8 +111,8 @@ def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
     result = run("--limit-deg", 0.3)
     assert result.exit_code == 1
     assert (
-        "NOT SURVIVED with 0.300 deg at nominal dynamic pressure; linear theory: NOT SURVIVED."
-        in " ".join(result.stdout.split())
+        "NOT SURVIVED with 0.300 deg at nominal dynamic pressure, vehicle frozen; linear theory:"
+        " NOT SURVIVED." in " ".join(result.stdout.split())
     )
     assert "law report, K = 1" in " ".join(result.stdout.split())
 
@@ -314,6 +314,46 @@ def test_a_flight_through_gaps_of_a_sounding_is_not_known_to_survive(tmp_path, e
     }
     printed = run(*options, "--limit-deg", 0.6).stdout
     assert "the wind is not known from 0 to 10 km and in 1 other gap" in " ".join(printed.split())
+
+
+VARYING = ("--duration", 10, "--peak-deg", 6, "--engine", "planar-varying", "--limit-deg", 0.4)
+
+
+@pytest.mark.parametrize("engine", usual(["planar-varying", "sixdof-varying"], 0))
+def test_a_flight_that_encounters_its_own_pressure_is_the_worse_of_head_and_tail_wind(engine):
+    """A tail wind lowers the dynamic pressure and is survived, as by the boundary of each sign."""
+    if engine.startswith("sixdof"):
+        pytest.importorskip("jsbsim")
+    options = (*VARYING, "--engine", engine)
+    vehicle, limit = tv.load_vehicle("configuration-i"), np.radians(0.4)
+    condition, middle = load_flight_condition("configuration-i"), float(vehicle.time)
+    for name, sign in {"tail": 1, "head": -1}.items():
+        wind = tv.TriangularWind(peak=sign * np.radians(6), duration=10).shift(middle - 5.0)
+        needs = tv.flown_boundary(
+            vehicle, wind, frozen=False, condition=condition, tolerance=0.01, highest=4.0
+        )
+        survived = limit > abs(needs.deflection)
+        assert survived == (name == "tail")
+        answer = run(*options, "--set", f"study.sign={name}")
+        assert answer.exit_code == int(not survived)
+        said = " ".join(answer.stdout.split())
+        assert f"in a {name} wind at encountered dynamic pressure, vehicle varying" in said
+        assert "sign that counts" not in answer.stderr
+    for peak in (6, -6):
+        worse = run(*options, "--peak-deg", peak)
+        said = " ".join(worse.stdout.split())
+        assert worse.exit_code == 1
+        assert said.startswith("NOT SURVIVED with 0.400 deg in a head wind at encountered")
+        assert "Note: in a tail wind: SURVIVED" in said
+    across = run(*options, "--set", "study.plane=yaw", "--json")
+    assert json.loads(across.stdout)["direction"] == "cross"
+
+
+def test_a_part_of_a_sounding_is_said_to_be_one():
+    sounding = ("--winds", SOUNDING, "--azimuth-deg", 90)
+    said = "of wyoming.txt the 20 s about the vehicle's own time count; --set sounding.window_s"
+    assert said in " ".join(run(*sounding).stderr.split())
+    assert said not in " ".join(run(*sounding, "--set", "sounding.window_s=20").stderr.split())
 
 
 def test_a_note_on_what_is_not_counted_names_a_command_that_answers_for_the_wind():

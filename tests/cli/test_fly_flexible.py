@@ -91,7 +91,8 @@ def test_a_mode_that_is_not_held_rings_and_has_not_survived(mine):
     result = run(mine, *GAINS, "--limit-deg", 0.45)
     assert result.exit_code == 1
     verdict = (
-        "NOT SURVIVED, limit cycle with 0.450 deg at nominal dynamic pressure; rigid: SURVIVED"
+        "NOT SURVIVED, limit cycle with 0.450 deg at nominal dynamic pressure, vehicle frozen;"
+        " rigid: SURVIVED"
     )
     assert verdict in " ".join(result.output.split())
     more = run(mine, *GAINS, "--limit-deg", 0.45, "--more").output

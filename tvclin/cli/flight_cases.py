@@ -171,6 +171,8 @@ _LAWS_WITH_DEAD_BAND = (REPORT, "dead-band")
 """Names of the controls that take a dead band."""
 LIMIT_OVER_BOUNDARY = 1.1
 """Limit of a flight without --limit-deg, over its boundary."""
+FROZEN_VEHICLE = "vehicle frozen"
+"""Of a flight whose mass, forces and speed are constant."""
 _MAX_DURATION_OVER_MODE = 1000.0
 """Longest flight over the time of its fastest mode; the solver takes about as many steps."""
 _MIN_PEAK_RAD = 2.5e-7
@@ -232,6 +234,7 @@ class FlightCase(Flying):
     boundary: float
     minimum: float
     limit: float
+    direction: str = ""
 
     @property
     def vehicle(self) -> Vehicle:
@@ -264,18 +267,31 @@ class FlightCase(Flying):
         return "nominal" if self.condition is None else "encountered"
 
     @property
+    def conditions(self) -> str:
+        """Direction of the wind, dynamic pressure and parameters of the flight, in words."""
+        if self.condition is None:
+            return f"{NOMINAL}, {FROZEN_VEHICLE}"
+        wind = f"in a {self.direction} wind at {self.pressure} dynamic pressure"
+        return f"{wind}, vehicle varying along its flight"
+
+    @property
     def options(self) -> dict[str, Any]:
         """Arguments of every flight of the case."""
         return {"engine": self.engine, "plane": self.case.plane, "condition": self.condition}
 
 
 def flight_case(
-    flying: Flying, engine: str, condition: FlightCondition | None, length: float
+    flying: Flying,
+    engine: str,
+    condition: FlightCondition | None,
+    length: float,
+    direction: str = "",
 ) -> FlightCase:
     """Return the case of a nonlinear flight; its default limit is 1.1 times the boundary.
 
     `flying`: case, wind and law. `engine`: name of the engine. `condition`: altitude and specific
     impulse for parameters that vary in flight, None for frozen ones. `length`: its length [s].
+    `direction`: of the wind, of parameters that vary.
     """
     flying = replace(flying, case=replace(flying.case, model=""))  # empty: the default model
     plant, wind = flying.case.plant.rigid, flying.wind
@@ -297,6 +313,7 @@ def flight_case(
         boundary=boundary,
         minimum=minimum,
         limit=limit,
+        direction=direction,
     )
 
 
@@ -351,20 +368,43 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
         heads=case.heads,
         verdict=(
-            f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg{rate} at {case.pressure}"
-            f" dynamic pressure; linear theory: {survival(flight.predicted)}"
-            f"{unknown and f'; {unknown}'}"
+            f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg{rate} {case.conditions};"
+            f" linear theory: {survival(flight.predicted)}{unknown and f'; {unknown}'}"
         ),
         flight_notes=tuple(_flight_notes(case, flight)),
         title=f"{case.title}; limit {np.degrees(limit):.3f} deg, {ratio_text}".replace("\n", ": "),
         facts={
             "along_trajectory": case.condition is not None,
+            **({"direction": case.direction} if case.direction else {}),
             "linear_model": DEFAULT_MODEL,
             "predicted": flight.predicted,
             "let_go_s": dict(zip(("flown", "linear"), flight.let_go, strict=True)),
             "minimum_deg": np.degrees(case.minimum),
         },
     )
+
+
+def worst_of(flights: dict[str, Compared]) -> Compared:
+    """Return the worst of the flights of a case, by the direction of the wind, with a note.
+
+    That is one which does not survive, then the one with the larger flown boundary, where they were
+    sought, then with the larger attitude.
+    """
+
+    def order(name: str) -> tuple[bool, float, float]:
+        """Return what makes a flight worse than another, the most important first."""
+        flown = flights[name]
+        boundary = 0.0 if flown.boundary is None else flown.boundary[0] or 0.0
+        return flown.flight.survived is not True, boundary, flown.flight.peaks("attitude")[0]
+
+    worst = max(flights, key=order)
+    notes = tuple(
+        f"in a {name} wind: {survival(flown.flight.survived)}; the worse of the directions counts"
+        for name, flown in flights.items()
+        if name != worst
+    )
+    flown = flights[worst]
+    return replace(flown, flight_notes=(*notes, *flown.flight_notes))
 
 
 def _flight_notes(case: FlightCase, flight: FlightComparison) -> Iterator[str]:

@@ -16,7 +16,7 @@ from tvclin.base.errors import Faults, one_of
 from tvclin.base.lines import listed, plural
 from tvclin.base.quantities import NOMINAL
 from tvclin.case.flexible_autopilot import with_filters
-from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear
+from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear, worst_of
 from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_autopilot, fly_linear
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, note_single_time, only_with
 from tvclin.cli.margins import parts_line
@@ -33,7 +33,7 @@ from tvclin.cli.options import (
     option,
 )
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, waiting
-from tvclin.cli.wind import FlightOptions, WindOptions
+from tvclin.cli.wind import FlightOptions, WindOptions, winds_in_flight
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.design.gain_designs import specified_autopilot
@@ -58,7 +58,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.wind_angles import linear_notes
+from tvclin.winds.wind_angles import SIGNS, linear_notes
 
 ALL = "all"
 """Name of --law for the limits of all laws."""
@@ -130,7 +130,10 @@ class WhatFlies:
             model.only_with("--engine linear", "model")
         aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
         compared = law == AUTOPILOT and engine == LINEAR
-        aside.append("fly --law autopilot" if compared else "fly without the autopilot requirement")
+        if compared:
+            aside.append("fly --law autopilot")
+        elif not (suffix and case.sign in SIGNS):  # which a varying engine flies
+            aside.append("fly without the autopilot requirement")
         note_omissions(case, "fly", *aside, *["fly --engine planar"] * (engine != LINEAR))
         band = chosen(self.dead_band, case.dead_band if law == REPORT else None)
         return engine, bool(suffix), law, band
@@ -166,8 +169,8 @@ def fly(
     requires: tvclin nozzle --law autopilot); so are actuator, filters, gust.
 
     Flights are at nominal dynamic pressure, or with a varying engine at that encountered in the
-    wind; tvclin study is the verdict on a limit. --more also finds, by flights, the smallest limit
-    that survives.
+    wind: the worse of a head and a tail wind, or that of --set study.sign. tvclin study is the
+    verdict on a limit. --more also finds, by flights, the smallest limit that survives.
 
     Exit code 0: SURVIVED, or SUFFICIENT for the autopilot; 1: not so, or NOT KNOWN; 2: bad input.
     """
@@ -187,32 +190,41 @@ def fly(
     case = case_of(vehicle, *changes, time=time)
     if time is None:
         note_single_time(vehicle)
-    engine, varying, *law = what.on(vehicle, case, flies, motion)
-    name, condition, faults = single.name(case), None, Faults()
+    condition, faults = None, Faults()
     with faults.kept():
-        case = (single.in_flight if varying else single.over)(case, vehicle)
+        case = single.over(case, vehicle)
+    engine, varying, *law = what.on(vehicle, case, flies, motion)
+    name, cases = single.name(case), {"": case}
+    with faults.kept():
+        cases = winds_in_flight(case) if varying else cases
     with faults.kept():
         condition = load_flight_condition(vehicle_source(vehicle)) if varying else None
     faults.tell()
     with waiting("flying"):
-        answer = _flown(Flying(case, name, *law), engine, condition, more)
+        flights = {direction: Flying(case, name, *law) for direction, case in cases.items()}
+        answer = _flown(flights, engine, condition, more)
     if not answer.show(shown, more):
         raise typer.Exit(1)
 
 
 def _flown(
-    flying: Flying, engine: str, condition: FlightCondition | None, more: bool
+    flights: dict[str, Flying], engine: str, condition: FlightCondition | None, more: bool
 ) -> Compared | AutopilotFlight:
-    """Return the flight of a law in the wind of its case, over two durations of that.
+    """Return the worst flight of a law in the winds of its cases, over two durations of each.
 
-    `engine`: name of the engine. `condition`: altitude and specific impulse for parameters that
-    vary in flight, None for frozen ones. `more`: whether the boundary is flown too.
+    `flights`: cases by the direction of the wind, "" for frozen parameters. `engine`: name of the
+    engine. `condition`: altitude and specific impulse for parameters that vary in flight, None for
+    frozen ones. `more`: whether the boundary is flown too.
     """
+    flying = next(iter(flights.values()))
     wind = flying.case.history
     length = _DURATIONS_SHOWN * float(wind.end - wind.onset)
     if engine != LINEAR:
-        nonlinear = flight_case(flying, engine, condition, length)
-        return fly_nonlinear(nonlinear, more, length, _POINTS)
+        cases = {
+            direction: flight_case(flying, engine, condition, length, direction)
+            for direction, flying in flights.items()
+        }
+        return worst_of({k: fly_nonlinear(x, more, length, _POINTS) for k, x in cases.items()})
     times = float(wind.onset) + np.linspace(0.0, length, _POINTS)
     fly_case = fly_autopilot if flying.law == AUTOPILOT else fly_linear
     return fly_case(LinearCase(**vars(flying)), more, times)

@@ -18,6 +18,7 @@ from tvclin.base.lines import degrees as angle
 from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency, survival
 from tvclin.case.flexible_autopilot import gain_notes, with_filters
 from tvclin.cli.flight_cases import (
+    FROZEN_VEHICLE,
     LIMIT_OVER_BOUNDARY,
     MAX_LIMIT_OVER_TRIM,
     REPORT,
@@ -172,8 +173,10 @@ def _compared(
         if boundaries
         else None,
         heads=[case.title],
-        verdict=f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL}{rigid}"
-        + unknown,
+        verdict=(
+            f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL},"
+            f" {FROZEN_VEHICLE}{rigid}{unknown}"
+        ),
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
         title=(
             f"{flight_title(case)}; {case.plant.model}, limit {np.degrees(limit):.3f} deg{turning}"

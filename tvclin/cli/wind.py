@@ -23,6 +23,7 @@ from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.shaped import SHAPES, ShapedWind
 from tvclin.winds.soundings.sounding_files import NO_READING, SoundingReading
+from tvclin.winds.wind_angles import CROSS, SIGNS
 
 if TYPE_CHECKING:
     from tvclin.requirement.flight.request import SoundingRequest
@@ -114,21 +115,12 @@ class WindOptions(PulseOptions):
         if isinstance(plan.wind, SoundingWind):
             for note in plan.wind.notes(plan.vehicle, plan.plane):
                 note_below(note)
+            if plan.reading.window is None:
+                note_below(
+                    f"of {plan.wind.name} the {plan.wind.window:g} s about the vehicle's own time"
+                    " count; --set sounding.window_s takes another length"
+                )
         return plan
-
-    def in_flight(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the wind in flight time, a pulse centred on the vehicle's own time.
-
-        `source`: file of the plan. A vehicle without a time has the pulse around zero.
-        """
-        shifted = self.over(plan, source)
-        if isinstance(shifted.wind, SoundingWind):
-            return replace(shifted, wind=replace(shifted.wind, in_flight=True))
-        time = complete_vehicle(plan.vehicle, "a flight in its own time").time
-        middle = 0.0 if time is None else float(time)
-        return replace(
-            shifted, wind=shifted.history.shift(middle - 0.5 * pulse_of(shifted).duration)
-        )
 
     def name(self, case: Case) -> str:
         """Return the name of the wind of a case: its shape, or the name of the sounding."""
@@ -279,6 +271,35 @@ def azimuth_of(degrees: float | None) -> float:
     if degrees is None:
         raise InputError("--winds needs --azimuth-deg, the direction of flight")
     return radians(number("--azimuth-deg", degrees, between(-360.0, 360.0), "deg"))
+
+
+def winds_in_flight(plan: StudyPlan) -> dict[str, StudyPlan]:
+    """Return plans with a wind in flight time, by its direction: head, tail or cross.
+
+    A pulse is centred on the vehicle's own time. One in the pitch plane is a head and a tail wind,
+    unless the plan has its sign or heading; a sounding has the direction of its largest angle.
+    """
+    if isinstance(plan.wind, SoundingWind):
+        plan = replace(plan, wind=replace(plan.wind, in_flight=True))
+        return {_direction(plan): plan}
+    pulse = pulse_of(plan)
+    time = complete_vehicle(plan.vehicle, "a flight in its own time").time
+    middle = 0.0 if time is None else float(time)
+    wind = plan.history.shift(middle - 0.5 * pulse.duration)
+    if plan.plane != "pitch" or pulse.heading is not None:
+        return {_direction(plan): replace(plan, wind=wind)}
+    signs = {plan.sign: SIGNS[plan.sign]} if plan.sign in SIGNS else SIGNS
+    return {
+        name: replace(plan, wind=wind * (sign * float(np.sign(wind.peak))))
+        for name, sign in signs.items()
+    }
+
+
+def _direction(plan: StudyPlan) -> str:
+    """Return the direction of the wind of a plan by the plane and the sign of its peak."""
+    if plan.plane != "pitch":
+        return CROSS
+    return "head" if float(plan.history.peak) < 0.0 else "tail"
 
 
 def check_reading(plan: StudyPlan) -> None:
