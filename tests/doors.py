@@ -1798,6 +1798,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "limit": 0.02,
                 "rate_limit": 0.1,
                 "acceleration_limit": 5.0,
+                "forecast": True,
             },
         ),
         "load_trade_off": Door(

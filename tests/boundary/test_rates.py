@@ -173,6 +173,20 @@ def test_the_verdict_says_whether_a_forecast_would_help():
         assert result.verdict == f"NOT SUFFICIENT, below the lower bound, {words}"
 
 
+def test_the_bound_without_a_forecast_is_not_that_of_a_law_with_one():
+    """Its required rate is that of the curve with the wind known: at that rate the limit is its."""
+    wind = triangle(FIXED, 8.0)
+    front = rate_trade_off(FIXED, wind)
+    blind = tv.boundary.forecast_free_limit(FIXED, wind).deflection
+    limit = 0.5 * (front.minimum_deflection + abs(blind))
+    assert front.minimum_deflection < limit < abs(blind)
+    known = rate_trade_off(FIXED, wind, limit=limit, forecast=True)
+    assert (known.above_lower_bound, known.verdict) == (True, "")
+    assert known.lower_bound == front.minimum_deflection
+    at = rate_trade_off(FIXED, wind, [known.required_rate])
+    assert at.limits[0] == pytest.approx(limit, rel=1e-9)
+
+
 def test_no_limit_is_sufficient_at_too_low_a_rate_and_too_low_an_acceleration_is_refused():
     wind = triangle(FIXED, 4.0)
     front = rate_trade_off(FIXED, wind)

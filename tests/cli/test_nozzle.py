@@ -46,6 +46,20 @@ def test_json_equals_the_library() -> None:
     assert answer["flown"] == []
 
 
+@pytest.mark.parametrize(("dead_band", "words"), [(0.0, ""), (0.5, "below the required"), (1, "")])
+def test_a_dead_band_with_a_forecast_is_judged_by_its_required_deflection(dead_band, words) -> None:
+    """0.23 deg is between what K = 0 requires, 0.227 deg, and the bound without a forecast."""
+    options = ("--duration", "10", "--peak-deg", "6", "--limit-deg", "0.23")
+    options += ("--dead-band", str(dead_band))
+    words = words or ("below the lower bound, no forecast" if dead_band else "")
+    done = run("configuration-i", *options)
+    printed = " ".join(done.stdout.split())
+    assert done.exit_code == bool(words)
+    assert printed.startswith(f"NOT SUFFICIENT, {words}" if words else "Required deflection 0.227")
+    study = CliRunner().invoke(app, ["study", "configuration-i", *options])
+    assert study.exit_code == done.exit_code
+
+
 def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -> None:
     """At that rate the least limit is the one it is stated at."""
     required = json.loads(CliRunner().invoke(app, ["study", "--json"]).stdout)["verdict"]

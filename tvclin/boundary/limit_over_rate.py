@@ -190,8 +190,8 @@ class RateTradeOff(TradeOff):
     limit, rate_limit : float or None
         Limits of the nozzle [rad, rad/s].
     lower_bound : float
-        The larger of limit and bound [rad], at the nozzle's rate or else at any; infinite where no
-        angle is sufficient at that rate.
+        The larger of limit and bound [rad], at the nozzle's rate or else at any; of a law with a
+        forecast the limit. Infinite where no angle is sufficient at that rate.
     required_rate : float
         The minimum rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
     angle : float
@@ -254,8 +254,8 @@ class RateTradeOff(TradeOff):
     def bound_text(self) -> str:
         """The lower bound of the limit at the nozzle's rate, in words.
 
-        It is the larger of two: the minimum deflection with the wind known, and the bound without a
-        forecast. The text names the one that it is.
+        It is the larger of two: the minimum deflection with the wind known, and for a law without a
+        forecast the bound of such laws. The text names the one that it is.
         """
         minimum, at = self.minimum_deflection, ""  # [rad], with the wind known
         if self.rate_limit is not None:
@@ -311,6 +311,7 @@ def rate_trade_off(
     limit: float | None = None,
     rate_limit: float | None = None,
     acceleration_limit: float = np.inf,
+    forecast: bool = False,
 ) -> RateTradeOff:
     """Return the minimum deflection over the rate limit, from the onset of the wind on.
 
@@ -327,6 +328,9 @@ def rate_trade_off(
         Limits of the nozzle [rad, rad/s].
     acceleration_limit : float
         Largest deflection acceleration [rad/s2]; none by default. It takes a case of one pole.
+    forecast : bool
+        Whether the law has a forecast of the wind, as with a dead band below 1: then the bound
+        without one counts neither in the lower bound of the limit nor in the required rate.
 
     Raises
     ------
@@ -359,7 +363,7 @@ def rate_trade_off(
     )
     if rates is not None:
         at = check("rates", errors.one_row("rates", rates, "rad/s"), "rad/s")
-    case = _case_of(plant, wind, c)
+    case = _case_of(plant, wind, c, errors.flag("forecast", forecast))
     minimum_rate, no_forecast = case.minimum_rate, case.no_forecast
     if rates is None:
         at = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
@@ -395,7 +399,7 @@ class _Case:
     the onset on being its demand [rad s] for each of `constraints.poles` p. `unlimited`: deflection
     of minimum peak at any rate. `acceleration`: its limit [rad/s2]; infinite if none.
     `no_forecast`: lower bound [rad] without a forecast, at any rate; None for a wind that changes
-    its sign.
+    its sign. `forecast`: whether the law has a forecast, to which that bound does not apply.
     """
 
     wind: History
@@ -403,6 +407,12 @@ class _Case:
     unlimited: Optimum
     acceleration: float
     no_forecast: float | None
+    forecast: bool
+
+    @property
+    def law_bound(self) -> float:
+        """Lower bound [rad] without a forecast at any rate, if the law has none; else zero."""
+        return 0.0 if self.forecast else self.no_forecast or 0.0
 
     @property
     def minimum(self) -> float:
@@ -468,9 +478,9 @@ class _Case:
     def no_forecast_limit(self, rate: float) -> float:
         """Return the lower bound [rad] without a forecast, at a `rate` [rad/s].
 
-        Zero for a wind that changes its sign, which has none.
+        Zero for a wind that changes its sign, which has none, and for a law with a forecast.
         """
-        return float(ramped_deflection(self.no_forecast or 0.0, self.pole, rate))
+        return float(ramped_deflection(self.law_bound, self.pole, rate))
 
     def lower_bound(self, rate: float | None) -> float:
         """Return the larger of both lower bounds [rad] at a `rate` [rad/s], or at any for None.
@@ -478,7 +488,7 @@ class _Case:
         They are the minimum deflection with the wind known, and the bound without a forecast.
         """
         if rate is None:
-            return max(self.minimum, self.no_forecast or 0.0)
+            return max(self.minimum, self.law_bound)
         return max(self.deflection(rate), self.no_forecast_limit(rate))
 
     def required_rate(self, limit: float | None) -> float:
@@ -487,7 +497,7 @@ class _Case:
         Infinite if none is sufficient. The fastest pole alone requires a rate in closed form, which
         other poles can only raise.
         """
-        lowest = max(self.minimum_rate, self.pole * (self.no_forecast or 0.0))
+        lowest = max(self.minimum_rate, self.pole * self.law_bound)
         if limit is None or self.minimum == 0.0:
             return lowest if limit is None else 0.0
         lowest = lowest or self.pole * self.minimum  # where the fastest pole requires none
@@ -544,8 +554,11 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
     return lowest * float(np.exp(zero))
 
 
-def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
-    """Return the case of a plant in a wind with an acceleration limit [rad/s2], maybe infinite."""
+def _case_of(plant: Plant, wind: History, acceleration: float, forecast: bool) -> _Case:
+    """Return the case of a plant in a wind, and of a law with or without a `forecast` of it.
+
+    `acceleration`: its limit [rad/s2], maybe infinite.
+    """
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
     poles = constraints.poles
@@ -555,7 +568,8 @@ def _case_of(plant: Plant, wind: History, acceleration: float) -> _Case:
             f" {poles_text(unstable_poles(plant))}"
         )
     unlimited = optimum_under(constraints, start)
-    return _Case(wind, constraints, unlimited, acceleration, no_forecast_deflection(plant, wind))
+    no_forecast = no_forecast_deflection(plant, wind)
+    return _Case(wind, constraints, unlimited, acceleration, no_forecast, forecast)
 
 
 def no_forecast_deflection(plant: Plant, wind: History) -> float | None:

@@ -10,7 +10,7 @@ import typer
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed
-from tvclin.base.quantities import REQUIRED, REQUIRED_RATE
+from tvclin.base.quantities import REQUIRED, REQUIRED_RATE, sufficiency
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off, required_rate_table
 from tvclin.case.load import FlownLoad
@@ -40,6 +40,7 @@ from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
+from tvclin.requirement.nominal_requirement import covers
 from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
@@ -103,7 +104,9 @@ def nozzle(
     """Print what a nozzle must do: deflection over its rate or over the load, or duty of a flight.
 
     Over rate or load it is at nominal dynamic pressure: a limit below the lower bound is never
-    sufficient; of one above it tvclin study is the verdict.
+    sufficient; of one above it tvclin study is the verdict. With a dead band below 1, which has a
+    forecast of the wind, a limit below the required deflection is not sufficient either, and the
+    bound without a forecast does not count.
 
     --law autopilot with --limit-deg also prints the smallest rate limit from which on the autopilot
     survives them all, flown with samples, delay, actuator, filters and bending.
@@ -195,11 +198,13 @@ class TradeOffAnswer:
     """A trade-off with its flights: what is printed, drawn and written.
 
     `outcomes`: the outcomes of the flights, in words. `rate`: the required rate in words. `tables`:
-    the answer; `further`: the others. `satisfied`: whether no limit is below its lower bound, and
-    the flights satisfy the limits.
+    the answer; `further`: the others. `judged`: why the limit is not sufficient, in words; empty
+    where it may be. `satisfied`: whether no limit is below its lower bound, and the flights satisfy
+    the limits.
     """
 
     trade_off: RateTradeOff | LoadTradeOff
+    judged: str
     document: dict[str, Any]
     outcomes: list[str]
     rate: str = ""
@@ -216,7 +221,7 @@ class TradeOffAnswer:
         if not front.beyond_linear:
             study = "" if required is None else required.see_study
             numbers = [study, self.rate, front.bound_text]
-        return "; ".join(filter(None, [front.verdict, *self.outcomes, *numbers]))
+        return "; ".join(filter(None, [self.judged, *self.outcomes, *numbers]))
 
 
 def over_rate(
@@ -240,16 +245,23 @@ def over_rate(
         autopilot_rate = _autopilot_rate(case) if AUTOPILOT in names else None
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
-        front = rate_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=rate_limit)
+        front = rate_trade_off(
+            case.plant.rigid,
+            case.history,
+            limit=limit,
+            rate_limit=rate_limit,
+            forecast=case.dead_band < 1.0,
+        )
         stated = None if front.beyond_linear else _at_limit(case, front, required)
     needed = _flown_limits(case) if every_law else None
     drawn, (curve, point) = needed or front, front.tables()
     rates = _RequiredRates(stated, autopilot_rate, REQUIRED if limit is None else "limit")
     flown_tables = () if needed is None else needed.tables()
     duty_tables = [table for duty in flown for table in duty.tables()]
-    limited = limit is not None or rate_limit is not None
+    limited, judged = limit is not None or rate_limit is not None, _judged(case, front, required)
     return TradeOffAnswer(
         trade_off=front,
+        judged=judged,
         document={"trade_off": front, "flown": flown}
         | rates.document
         | ({} if needed is None else {"laws": needed}),
@@ -258,11 +270,23 @@ def over_rate(
         tables=_titled(title, *rates.tables, (*flown_tables, curve)[0]),
         further=(*(flown_tables and (curve,)), point, *duty_tables),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
-        satisfied=not (limited and front.verdict)
-        and all(bool(duty.verdict.satisfied) for duty in flown),
+        satisfied=not (limited and judged) and all(bool(duty.verdict.satisfied) for duty in flown),
         curves=lambda: plots.rate_curves(drawn),
         chart=lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
+
+
+def _judged(case: StudyPlan, front: RateTradeOff, required: CaseRequirement | None) -> str:
+    """Return why a limit is not sufficient, in words; empty where it may be.
+
+    It is below its lower bound; or with a dead band below 1, which has a forecast of the wind,
+    below the required deflection of the study. `front`: trade-off of the case with its limit.
+    """
+    has_forecast = case.dead_band < 1.0
+    if front.verdict or front.limit is None or required is None or not has_forecast:
+        return front.verdict
+    enough = covers(front.limit, required.required_deflection)
+    return "" if enough else f"{sufficiency(False)}, below the {REQUIRED}"
 
 
 def _at_limit(
@@ -279,7 +303,14 @@ def _at_limit(
         return None
     # the required rate does not depend on the rates of the curve: one is enough
     plant, rates, rate_limit = case.plant.rigid, front.rates[:1], front.rate_limit
-    return rate_trade_off(plant, case.history, rates, limit=deflection, rate_limit=rate_limit)
+    return rate_trade_off(
+        plant,
+        case.history,
+        rates,
+        limit=deflection,
+        rate_limit=rate_limit,
+        forecast=case.dead_band < 1.0,
+    )
 
 
 def _autopilot_rate(case: StudyPlan) -> float | None:
@@ -359,6 +390,7 @@ def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
     curve, point = front.tables()
     return TradeOffAnswer(
         trade_off=front,
+        judged=front.verdict,
         document={"trade_off": front, "flown": flown},
         outcomes=[f"flown, {load.words}" for load in flown],
         tables=_titled(title, curve),

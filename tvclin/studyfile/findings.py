@@ -544,7 +544,9 @@ def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
 
     limit /= study.plane_ratio  # of this plane
     rate = plan.nozzle.rate_limit
-    return rate_trade_off(plan.plant.rigid, study.history, limit=limit, rate_limit=rate)
+    forecast = plan.dead_band < 1.0
+    plant, wind = plan.plant.rigid, study.history
+    return rate_trade_off(plant, wind, limit=limit, rate_limit=rate, forecast=forecast)
 
 
 def _dispersed(plan: StudyPlan, study: Study, request: Dispersions) -> DispersedStudy:
