@@ -99,10 +99,24 @@ def test_no_margins_and_notes_fit_a_terminal(monkeypatch):
 
 def poles_shown(*arguments):
     line = next(
-        line for line in run(*arguments, "--more").output.splitlines() if "poles [1/s]" in line
+        line
+        for line in run(*arguments, "--more").output.splitlines()
+        if "closed-loop poles" in line and "[1/s]" in line
     )
     words = line.split("[1/s]")[1].split(",")
     return [complex(word.strip().replace("±", "+").replace("+-", "-")) for word in words]
+
+
+def test_poles_of_a_sampled_loop_are_shown_as_the_continuous_ones_to_which_they_tend():
+    """A zero-order hold is half a sample of delay: a pole p moves by about p h, relative."""
+    gains = ("margins", "--attitude-gain", "0.8", "--rate-gain", "0.8", "--model", "fixed-path")
+    continuous = poles_shown(*gains)
+    for rate in (100.0, 1000.0):
+        sampled = poles_shown(*gains, "--sample-rate", f"{rate:g}")
+        for pole in continuous:
+            nearest = min(sampled, key=lambda other: abs(other - pole))
+            assert abs(nearest - pole) < abs(pole) ** 2 / rate
+        assert all(pole.real > -rate * np.log(1e3) for pole in sampled)
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.15, 0.25])

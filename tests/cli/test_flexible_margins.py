@@ -55,6 +55,9 @@ def test_a_vehicle_with_structure_gets_the_margins_of_the_flexible_vehicle_by_ba
         assert computed["closed_pole"]["real"] == pytest.approx(mode.closed_pole.real, rel=1e-12)
     shown = margins("--more").output
     assert "Flexible vehicle (--set study.rigid true: without): 3 bending modes, 2 tanks" in shown
+    poles = " ".join(shown.split("closed-loop poles [1/s]")[1].split("\n\n")[0].split())
+    for mode in expected.modes:
+        assert f"{mode.closed_pole.real:.4g}±{mode.closed_pole.imag:.4g}j" in poles
     for mode in expected.modes:
         word = {"with the rigid body": "rigid"}.get(mode.stabilised, mode.stabilised)
         at = mode.crossover_frequency if word == "phase" else mode.frequency

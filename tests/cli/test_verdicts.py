@@ -38,6 +38,12 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
 
 
+def test_the_duty_over_a_flight_says_that_its_vehicle_is_frozen_where_ascent_varies_it():
+    shown = run("nozzle", "--over", "flight", *WIND, "--limit-deg", "0.5", *AT).output
+    said = " ".join(shown.split())
+    assert "trim is flown with the vehicle frozen at each flight time; tvclin ascent judges" in said
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     usual(

@@ -41,7 +41,7 @@ from tvclin.control.autopilot.margin_bounds import MarginBounds, margin_bounds
 from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import Criteria, Judgement, band_table, margin_table
-from tvclin.control.margins.loop import SampledLoop
+from tvclin.control.margins.loop import SampledLoop, poles_in_s
 from tvclin.control.margins.margins import Margins
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.flights.closed_loop.flown_margins import FlownMargins, flown_margins, flown_table
@@ -57,6 +57,8 @@ if TYPE_CHECKING:
 
 _MAX_POLE_DISTANCE_RATIO = 0.05
 """Largest distance of a pole with approximate delay from an exact pole, over its magnitude."""
+_MIN_SHOWN_Z = 1e-3
+"""Smallest pole z of a sampled loop that is shown: below, rounding turns those at 0 into others."""
 _KEYS = {"gain": "mode_gain_margin_dB", "phase": "mode_phase_margin_deg"}
 """Key of the required margin of a mode, by its stabilisation."""
 
@@ -136,15 +138,15 @@ def mode_notes(result: JudgedMargins) -> Iterator[str]:
 
 
 def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
-    """Print an autopilot, with the poles of its loop or the parts of its flexible vehicle.
+    """Print an autopilot, with the poles of its loop and the parts of a flexible vehicle.
 
     `title`: caption of the table. `plant`: plant of the loop.
     """
     rows = autopilot.rows()
     if plant.structure is not None:
         say(parts_line(plant.structure))
-    elif autopilot.sample_rate is None:
-        rows.append(("closed-loop poles [1/s]", (_poles(autopilot, plant),)))
+    label = "closed-loop poles" if autopilot.sample_rate is None else "closed-loop poles, log(z)/h"
+    rows.append((f"{label} [1/s]", (_poles(autopilot, plant),)))
     print_tables(quantities(title, rows), *autopilot.filter_tables())
 
 
@@ -171,23 +173,29 @@ def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
         return None
 
 
-def _poles(autopilot: Autopilot, plant: Any) -> str:
-    """Return the closed-loop poles [1/s] as text, without poles that approximate the delay.
+def _poles(autopilot: Autopilot, plant: AnyPlant) -> str:
+    """Return the closed-loop poles [1/s] as text, without those of a delay that decay at once.
 
-    Those are stable ones farther from each pole of the exact delay than
-    `_MAX_POLE_DISTANCE_RATIO`. A conjugate pair is written once, with ±.
+    Of a sampled loop they are log(z)/h. Omitted are poles that approximate a delay, and of a
+    sampled loop those that its delay puts at z = 0.
     """
-    loop_poles = np.sort_complex(autopilot.closed_loop_poles(plant))[::-1]
-    if autopilot.delay:
-        exact = autopilot.exact_loop(plant).closed_loop_poles
-        distance = np.abs(loop_poles[:, np.newaxis] - exact).min(axis=1)
-        loop_poles = loop_poles[
-            (loop_poles.real > 0.0) | (distance <= _MAX_POLE_DISTANCE_RATIO * np.abs(loop_poles))
-        ]
+    if autopilot.sample_rate is None:
+        poles = autopilot.closed_loop_poles(plant)
+        if autopilot.delay:
+            exact = autopilot.exact_loop(plant).closed_loop_poles
+            distance = np.abs(poles[:, np.newaxis] - exact).min(axis=1)
+            poles = poles[
+                (poles.real > 0.0) | (distance <= _MAX_POLE_DISTANCE_RATIO * np.abs(poles))
+            ]
+    else:
+        poles = poles_in_s(autopilot.exact_loop(plant))
+        poles = poles[poles.real * float(1.0 / autopilot.sample_rate) > np.log(_MIN_SHOWN_Z)]
     shown = [
-        f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j" for p in loop_poles
+        f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j"
+        for p in np.sort_complex(poles)[::-1]
+        if p.imag >= 0.0
     ]
-    return ", ".join(dict.fromkeys(text for text in shown if "±-" not in text))
+    return ", ".join(dict.fromkeys(shown))
 
 
 def margins_document(result: JudgedMargins) -> dict[str, Any]:

@@ -418,6 +418,10 @@ def _titled(title: str, table: Table, *others: Table) -> tuple[Table, ...]:
 
 
 _QUESTION = "nozzle --over flight"
+_FROZEN_DUTY = (
+    "is flown with the vehicle frozen at each flight time; tvclin ascent judges with parameters"
+    " that vary along the flight, and may find a limit sufficient that does not survive here"
+)
 _USED = (
     "used is what the law uses in its samples, within the limits, at least the lower bound; the"
     " required deflection is that of tvclin ascent or study"
@@ -441,7 +445,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
         note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
     with bar("flight times and winds") as progress:
         duty = flight_duty(case, request, law, turbulence=case.turbulence, progress=progress)
-    notes = [*request.warnings, *request.notes, *duty.notes]
+    notes = [f"{law} {_FROZEN_DUTY}", *request.warnings, *request.notes, *duty.notes]
     if shown.csv is not None:
         duty.to_csv(shown.csv)
     sheet, *further = duty.tables()

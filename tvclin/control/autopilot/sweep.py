@@ -20,7 +20,7 @@ from tvclin.control.autopilot.detuning import mode_changes, with_mode_factors
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
 from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.criteria import CRITERIA, Criteria, Judgement
-from tvclin.control.margins.loop import Loop, SampledLoop
+from tvclin.control.margins.loop import Loop, poles_in_s
 from tvclin.control.margins.margins import MARGINS, Margins, margins_of, unit_factor
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, named_modes
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
@@ -410,7 +410,7 @@ def sweep(
         at,
         bands.margins,
         bands.modes,
-        _poles(loop),
+        poles_in_s(loop),
         criteria,
         criteria.judge(bands),
         changes,
@@ -429,12 +429,3 @@ def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -
         margins = margins_of(loop.analysis(delays=delays), loop.batch)
         return BandMargins(margins, None, ())  # type: ignore[arg-type]
     return band_margins(loop, names, named_modes(plants)[1], delays=delays)
-
-
-def _poles(loop: Loop) -> ComplexArray:
-    """Return the closed-loop poles [1/s] of loops ``(n, k)``; of sampled loops log(z)/h."""
-    poles = loop.closed_loop_poles
-    if isinstance(loop, SampledLoop):
-        with np.errstate(divide="ignore"):
-            poles = np.log(poles.astype(complex)) / np.asarray(loop.period)[..., np.newaxis]
-    return poles

@@ -547,6 +547,15 @@ def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
     return SampledLoop(form, (), system.period, np.asarray(T))
 
 
+def poles_in_s(loop: Loop) -> ComplexArray:
+    """Return the closed-loop poles [1/s] of loops ``(..., n)``; of sampled loops log(z)/h."""
+    poles = loop.closed_loop_poles
+    if isinstance(loop, SampledLoop):
+        with np.errstate(divide="ignore"):
+            poles = np.log(poles.astype(complex)) / np.asarray(loop.period)[..., np.newaxis]
+    return poles
+
+
 def w_plane_loop(matrices: tuple[FloatArray, ...], period: FloatArray) -> StateLoop:
     """Return loops in w = (2/h)(z - 1)/(z + 1) of open loops L(z) = C (z - A)^-1 B + D.
 
