@@ -10,7 +10,8 @@ import typer
 
 from tvclin.base.errors import InputError, within
 from tvclin.base.files import called
-from tvclin.cli.inputs import note_source
+from tvclin.case.case import DEFAULT_WIND
+from tvclin.cli.inputs import note_omissions, note_vehicle_warnings
 from tvclin.cli.options import LIMIT, MODEL, SIZING, AsJson, More, Options, Plot, option, to_write
 from tvclin.cli.output import (
     answer,
@@ -24,7 +25,7 @@ from tvclin.cli.output import (
 )
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.ensembles.availability.availability_record import Availability, Today
-from tvclin.studyfile.read import is_flight_with_keys, load_sizing, load_study
+from tvclin.studyfile.read import is_flight, is_flight_with_keys, load_sizing, load_study
 from tvclin.studyfile.settings import with_settings
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import PLANE_TEXTS
@@ -85,7 +86,8 @@ def availability(
     Exit code 0: some soundings were judged; with --today: the limit is sufficient for that balloon,
     in every direction; 1: it is not, or that is not known; 2: bad input.
     """
-    note_source(source, "availability")
+    if months:
+        within("--month", months, 1, 12)
     azimuths = azimuth and np.radians(within("--azimuth-deg", azimuth, -360.0, 360.0))
     keys: dict[str, Any] = {
         "availability.archive": [str(file.absolute()) for file in archive or ()],
@@ -98,6 +100,10 @@ def availability(
     }
     with waiting("reading"):
         plan = _plan(source, keys)
+    if not (is_flight_with_keys(source) or is_flight(source)):
+        note_vehicle_warnings(plan.vehicle)
+    note_omissions(plan, "availability")
+    with waiting("reading"):
         balloon = None if today is None else plan.reading.profile(today)
     assert plan.availability is not None
     flight = plan.availability.flight.between(times.values.get("start"), times.values.get("stop"))
@@ -132,16 +138,21 @@ def _write(result: Availability, source: str, csv: Path | None, plot: Path | Non
 def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
     """Return the plan of a source with the keys that have a value.
 
-    `keys`: values by key of a study file; None, or an empty list, is not given. `InputError`
-    without an archive, a direction of flight or a limit.
+    A study file without a wind gets the usual pulse, which an availability does not count. `keys`:
+    values by key of a study file; None, or an empty list, is not given. `InputError` without an
+    archive, a direction of flight or a limit.
     """
     values = {key: value for key, value in keys.items() if value is not None and value != []}
     missing = {"availability.archive": "a STATION", "availability.azimuth_deg": "--azimuth-deg"}
-    named = source_tables(source).get("availability", {})
+    tables = source_tables(source)
+    named = tables.get("availability", {})
     for key, name in missing.items():
         name_of_key = key.partition(".")[2][:7]  # archive or azimuth, in any unit
         if key not in values and not any(k.startswith(name_of_key) for k in named):
             raise InputError(f"availability needs {name}, or a file with [availability]")
+    if "study" in tables and "wind" not in tables:
+        values |= {"wind.shape": DEFAULT_WIND.shape, "wind.peak_rad": DEFAULT_WIND.peak}
+        values |= {"wind.duration_s": DEFAULT_WIND.duration}
     edited = with_settings(source, [(key, f"{value}") for key, value in values.items()])
     plan = load_sizing(edited) if is_flight_with_keys(edited) else load_study(edited)
     if plan.nozzle.limit is None:
