@@ -301,7 +301,7 @@ def _interpolated(values: Sequence[Any], lines: TableLines) -> Any:
     """Return a record, tuple, array or number, interpolated over the times of several schedules.
 
     Records and tuples are interpolated field by field; filters, texts and None do not change over
-    the flight, and are those of the first schedule. `values`: one for each schedule, all of one
+    the flight, taken from the first schedule. `values`: one for each schedule, all of one
     type. `lines`: the schedule and time of each result.
     """
     first = values[0]

@@ -37,7 +37,7 @@ _Getter = TypeVar("_Getter", bound=Callable[..., Any])
 def plain(value: Any) -> Any:
     """Return a value as JSON can hold it: a record by its fields, None for NaN and infinity.
 
-    Arrays become lists, numbers of numpy those of Python, and a complex number its two parts.
+    Arrays become lists, numbers of numpy Python's, and a complex number its two parts.
     """
     if hasattr(value, "as_dict"):
         value = value.as_dict()
@@ -176,7 +176,7 @@ class Field:
     def line(self, record: Any, prefix: str) -> lines.Line:
         """Return the value of a record as a cell with unit; its number is called `prefix`.key.
 
-        The key is that of a document, with the unit at its end.
+        It is the key in a document, with the unit at its end.
         """
         return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
 
@@ -426,8 +426,8 @@ def fields_of(record: Any) -> tuple[Field, ...]:
 def _fields_of(kind: Any) -> tuple[Field, ...]:
     """Return the `Field` of each attribute and property of a class `kind`, cached.
 
-    Attributes come first, then properties, those of base classes ahead. A field without a name of
-    its own has that of its attribute.
+    Attributes come first, then properties, base classes ahead. A field without a name of
+    its own has its attribute's.
     """
     specified: dict[str, tuple[Field, ...]] = {}
     if is_dataclass(kind):
@@ -543,7 +543,7 @@ def help_lines(kind: type) -> dict[str, str]:
     """Return the lines of help in the docstring of a class `kind`, by attribute or parameter.
 
     They are the entries of its section Parameters, or Attributes, in numpydoc's form; an entry of
-    several names, "start, stop : float", is that of each.
+    several names, "start, stop : float", holds for each.
     """
     doc = inspect.cleandoc(kind.__doc__ or "")
     *_, attributes = _SECTION.split(doc, maxsplit=1)  # the text after the section's underline

@@ -225,7 +225,7 @@ def _decoded(content: bytes, name: str, encodings: tuple[str, ...]) -> str:
 def tables_of(text: str, source: str) -> dict[str, Any]:
     """Return the tables of a TOML text, or of an edited source; `source` names it in messages.
 
-    The tables of an `EditedSource` take the place of those of the text. `InputError` for a text
+    The tables of an `EditedSource` replace the tables of the text. `InputError` for a text
     that is not TOML, nested too deep, or has a number beyond all floats.
     """
     tables = source.tables if isinstance(source, EditedSource) else None

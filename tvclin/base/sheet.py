@@ -428,7 +428,7 @@ def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
 def _with_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:
     """Return the cells of `rows` with decimal points: without any point, commas are decimal.
 
-    A comma is doubtful if all commas may be those of thousands, "1,234". `line`: line numbers of
+    A comma is doubtful if all commas may separate thousands, "1,234". `line`: line numbers of
     the rows of `text`, for the error about a mixture or a doubtful comma.
     """
     decimals = [

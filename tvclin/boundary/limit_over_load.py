@@ -245,7 +245,7 @@ class LoadTradeOff(TradeOff):
 class LoadLimits:
     """A case, with points (load, peak) [rad] that are attained, and lines (bound, slope) below.
 
-    The peak is that of a deflection, and the load the largest ``|alpha + M delta|`` under it; the
+    The peak is the largest deflection, and the load the largest ``|alpha + M delta|`` under it; the
     minimum peak is convex over the load. `case`: plant and wind with M (`ratio`), rate limit, and
     the deflection of minimum peak at any load, the `reference`. `minimum_deflection`: lower bound
     [rad] of the limit at any load. `program`: linear program on the first nodes. `no_forecast`:
@@ -275,7 +275,7 @@ class LoadLimits:
 
     @cached_property
     def load_of_minimum(self) -> float:
-        """Load [rad] of the reference deflection, that of minimum peak at any load."""
+        """Load [rad] of the reference deflection, which has minimum peak at any load."""
         return float(np.abs(self.program.reference_load).max())
 
     @cached_property
@@ -429,7 +429,7 @@ class LoadLimits:
     def required_load(self, limit: float | None) -> float:
         """Return the minimum load [rad] of a control within a limit [rad]; inf if there is none.
 
-        None is no limit. Between computed controls it is that of their mixtures.
+        None is no limit. Between computed controls their mixtures have it.
         """
         if limit is not None and limit < self.minimum_deflection:
             return np.inf

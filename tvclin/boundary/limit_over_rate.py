@@ -575,7 +575,7 @@ def _case_of(plant: Plant, wind: History, acceleration: float, forecast: bool) -
 def no_forecast_deflection(plant: Plant, wind: History) -> float | None:
     """Return the lower bound [rad] without a forecast, as `forecast_free_limit`, of one plant.
 
-    It is that of every law that must survive a stop of the wind at any instant. Zero without a real
+    It holds for every law that must survive a stop of the wind at any instant. Zero without a real
     fastest unstable pole; None for a wind that changes its sign.
     """
     poles = unstable_poles(plant)

@@ -568,7 +568,7 @@ class Cluster(LimitShape):
     def _arm(self, engine: ClusterEngine) -> complex:
         """Return the arm a = j r of an engine at r, over the largest r; zero on the axis.
 
-        Its direction is that of the side force at r that has a moment about the roll axis.
+        It points as the side force at r that has a moment about the roll axis.
         """
         largest = max(abs(member.at) for member in self.engines)
         return 1j * engine.at / largest if abs(engine.at) > _MAX_CENTRAL_RADIUS * largest else 0j

@@ -118,7 +118,7 @@ class PlanePair:
     def _remaining_integrals(self) -> tuple[PlaneIntegrals, PlaneIntegrals]:
         """Functions of time [s] to remaining integrals of trim and wind [rad s], at the fast poles.
 
-        The remaining integral of f at a pole p is that of e^(-p (r - t)) f(r) dr from t on.
+        The remaining integral of f at a pole p integrates e^(-p (r - t)) f(r) dr from t on.
         """
         (p, *_), (r, *_) = self.poles
         trim, wind = (

@@ -153,7 +153,7 @@ class Case:
     def wind_at(self, dead_band: float) -> ShapedWind:
         """Return the wind of a shape, with its gust at its time, or the worst for a dead band K.
 
-        It keeps its heading; the worst time is that of the wind in the plane.
+        It keeps its heading; the worst time is taken for the wind in the plane.
         """
         in_plane = self.wind_in_plane_at(dead_band)
         assert isinstance(self.wind, ShapedWind)

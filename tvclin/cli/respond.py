@@ -282,7 +282,7 @@ def _end_notes(case: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
 def _constant_notes(case: BoundedTrim) -> Iterator[str]:
     """Yield notes on the deflection that stays constant for ever, by condition (4b).
 
-    A NaN time constant of the final motion is that of a fast mode that is not excited: the slow
+    A NaN time constant of the final motion belongs to a fast mode that is not excited: the slow
     mode alone remains.
     """
     verdict = case.verdict

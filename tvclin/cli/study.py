@@ -145,7 +145,7 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
 
     `source`: name of the vehicle or study file. `explain`: whether symbols and quantities are
     explained. `more`: whether the details are printed, and all notes. With several questions their
-    table is the answer, else that of the boundaries, with the required deflection below the
+    table is the answer, else the table of boundaries, with the required deflection below the
     verdict, and the first table of turbulence.
     """
     s, several = findings.study, len(questions(findings)) > 1

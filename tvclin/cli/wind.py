@@ -231,7 +231,7 @@ class FlightOptions(PulseOptions):
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, at each flight time.
 
-        A peak speed is that of the sizing, and gives an angle at each flight time; any option of
+        A peak speed belongs to the sizing, and gives an angle at each flight time; any option of
         the pulse makes it a wind beside soundings. `source` is not used.
         """
         azimuth = None if self.winds else self.azimuth_deg

@@ -406,7 +406,7 @@ def load_table(trials: Sequence[LawTrial]) -> Table:
 def scan_text(trials: Sequence[LawTrial]) -> str:
     """Return the range and the steps of the limits that `trials` flew, in sentences.
 
-    All trials have those of the first: a coarse scan, and finer steps above the edges of losses.
+    All trials fly the first's limits: a coarse scan, and finer steps above the edges of losses.
     """
     trial = trials[0]
     step = (trial.highest - trial.lowest) / STEPS

@@ -269,7 +269,7 @@ class _Case:
     def plant(self, values: Mapping[str, FloatArray]) -> Plant:
         """Return the plants with some numbers other than the nominal ones.
 
-        `values`: these numbers [SI], ``(n,)`` by name; those of the loop are ignored. `subject` is
+        `values`: these numbers [SI], ``(n,)`` by name; numbers of a loop are ignored. `subject` is
         the nominal vehicle, or its coefficients.
         """
         names = _VEHICLE if isinstance(self.subject, Vehicle) else _COEFFICIENTS

@@ -362,7 +362,7 @@ class FlexiblePlant(Shown, WithCoefficients):
         """Accelerations of drift, attitude, modes and tanks per state and per input.
 
         Shapes ``(..., bodies + 2, states)`` and ``(..., bodies + 2, inputs)``, bodies being modes
-        and tanks; the states are those of plant, modes and tanks, without sensors. The motions are
+        and tanks; the states are plant, modes and tanks, without sensors. The motions are
         per angle of attack, which is theta - gamma - alpha_w here.
         """
         accelerations, positions = self._motions, self._positions
@@ -513,7 +513,7 @@ def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
 
     Coupling moves the frequencies, and hardly ever changes their order: poles are matched in it to
     the frequencies of the structure. An oscillation of the rigid vehicle is omitted, where there
-    are more pairs than modes and tanks: the poles nearest to those of the rigid vehicle.
+    are more pairs than modes and tanks: the poles nearest to the rigid poles.
     """
     if isinstance(plant, SystemPlant):
         return plant.named_modes()

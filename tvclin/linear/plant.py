@@ -533,7 +533,7 @@ class Plant(WithCoefficients):
         """Return the ratio of flight path angle to attitude in a free mode e^(p t), ``(..., N)``.
 
         From the flight path equation, (p + damping + q/p) gamma = attitude theta, whose
-        coefficients `attitude` and `damping` [1/s] are those of `_PathCoefficients`, and q [1/s^2]
+        coefficients `attitude` and `damping` [1/s] are as in `_PathCoefficients`, and q [1/s^2]
         the gravity term of "drift-and-speed"; the angle of attack of the mode is the remainder of
         its attitude.
 

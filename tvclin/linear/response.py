@@ -218,7 +218,7 @@ def _by_lags(
     """Return the responses ``(..., outputs, n)`` [rad, rad/s] by a chain of lags.
 
     Each pole p of the plant is a lag y' = p y + f, solved exactly, whose output is the input of the
-    next. It admits repeated poles, such as those of a vehicle without aerodynamic moment. `plant`:
+    next. It admits repeated poles, as of a vehicle without aerodynamic moment. `plant`:
     plants of the batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s],
     ``(n,)``. `shape`: shape of the batch.
     """

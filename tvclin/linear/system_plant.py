@@ -498,7 +498,7 @@ class SystemPlant(Plant):
     def trim_filter(self) -> tuple[Any, Any, Any]:
         """Coefficients b1, b2 and q of the filter from a wind to its trim, see `Plant`.
 
-        They are those of the given coefficients; without an output flight_path_angle they are zero,
+        They are the given coefficients; without an output flight_path_angle they are zero,
         and trim is -B times the wind.
         """
         if "flight_path_angle" not in self.outputs:

@@ -338,7 +338,7 @@ class StateLoop:
     def closed_poles(self) -> AnyArray:
         """Return the closed-loop poles without delay [1/s], ``(k, n)``: eig(A - B C/(1 + D)).
 
-        A, B, C and D are those of L in state space.
+        A, B, C and D are L in state space.
         """
         A, B, C, D = self._matrices
         returned = B[..., :, np.newaxis] * C[..., np.newaxis, :]
@@ -449,7 +449,7 @@ class StateLoop:
         """Return L without its delay, and with `slope` dL/ds, at s ``(k, m)`` [1/s], by solving.
 
         By linear solves, C (s - A)^-1 B + D and -C (s - A)^-2 B, not by residues. Infinite at a
-        pole, and NaN at NaN: there the matrix is that of another s, away from all poles. Many loops
+        pole, and NaN at NaN: there the matrix is of another s, away from all poles. Many loops
         are halved, to bound the memory.
         """
         block = max(1, _ENTRIES_PER_BLOCK // max(1, s.shape[1] * self.A.shape[-1] ** 2))

@@ -40,9 +40,9 @@ def residues(
 
     The residue R of a pole p is the coefficient of e^(p (t - start)) in the response long after the
     inputs: the sum over the inputs of gain times the Laplace integral at p, from `start` on. The
-    error is that of rounding, by the sum of the sizes of all terms. `poles`: p [1/s], ``(..., N)``;
+    error is of rounding, by the sum of the sizes of all terms. `poles`: p [1/s], ``(..., N)``;
     NaN stays NaN. `gains`: for each input the residues of its transfer function at the poles,
-    ``(..., N)``. `inputs`: the two input histories, whose batches broadcast with that of the poles.
+    ``(..., N)``. `inputs`: the two input histories, whose batches broadcast with the poles.
     `start`: time from which e^(p t) counts [s], ``(...)``.
     """
     terms, sizes = [], []

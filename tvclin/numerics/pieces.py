@@ -189,7 +189,7 @@ def value(pieces: Pieces, t: FloatArray) -> AnyArray:
 def add(first: Pieces, second: Pieces) -> Pieces:
     """Return the sum of two batches of histories, which broadcast, on the knots of both.
 
-    Its rates are those of both. Where the rates of one history begin those of the other, they are
+    It has the rates of both. Where the rates of one history begin with the other's, they are
     not repeated, and the coefficients are added.
     """
     shape = np.broadcast_shapes(first.batch, second.batch)

@@ -76,7 +76,7 @@ def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Moti
 
     `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree, so
     that one matrix M moves all of them. The exponentials over pieces of equal width are computed
-    once. A piece begins with the states of x at its end before, and with those of its own input.
+    once. A piece begins with the states of x at its end before, and with its own input.
     """
     order, matrix = len(A), piece_matrix(A, B, inputs[0])
     widths = [np.diff(pieces.knots) for pieces in inputs]

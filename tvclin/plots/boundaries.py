@@ -220,8 +220,8 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
 def _study_curves(study: Study, durations: FloatArray) -> Curves:
     """Return the boundary [deg] over durations [s] for the models and dead bands of a study.
 
-    The columns are in the order of the models, for each those of its dead bands K, falling: 1, 0.5,
-    0 and that of the study.
+    The columns are in the order of the models, for each its dead bands K, falling: 1, 0.5,
+    0 and the study's.
     """
     wind = study.wind_in_plane.history({"wind_duration": durations[:, np.newaxis]})
     shown = np.array(sorted({1.0, 0.5, 0.0, study.dead_band}, reverse=True))

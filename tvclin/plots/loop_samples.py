@@ -251,7 +251,7 @@ def decisive_frequencies(margins: Margins) -> FloatArray:
 
 
 def mode_frequency(mode: ModeBand) -> float:
-    """Return the frequency of a mode's peak [rad/s]; without a peak that of its alias or pole.
+    """Return the frequency of a mode's peak [rad/s]; else of its alias or pole.
 
     The alias is the frequency at which a mode above half the sample rate appears. NaN if all are.
     """

@@ -122,7 +122,7 @@ def _mark_poles(
     """Return the marks of the poles of one model, drawn into axes, with residues at some poles.
 
     A residue is that from deflection to attitude [1/s]. It is written once for a conjugate pair,
-    higher for each further model, so that those of equal poles do not hide each other.
+    higher for each further model, so that equal poles do not hide each other.
 
     `modes`: poles [1/s] and residues. `model`: name of the model. `row`: number of the model, for
     colour and mark. `named`: smallest and largest size [1/s] of poles whose residues are written.
@@ -459,8 +459,8 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
 def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     """Return the radii [1/s] of the panels: around all poles but the delay's, and the origin.
 
-    `samples`: the loop. `poles`: its closed-loop poles [1/s]. The inner radius is that of the poles
-    of the rigid vehicle and of slow closed-loop poles; it has no panel if it is near the outer one.
+    `samples`: the loop. `poles`: its closed-loop poles [1/s]. The inner radius reaches the poles
+    of the rigid vehicle and slow closed-loop poles; it has no panel if it is near the outer one.
     """
     order = samples.loop.form.open_poles().shape[-1]
     sizes = np.sort(np.abs(poles))[:order]

@@ -370,7 +370,7 @@ _OUTSIDE, _LABEL, _MARK, _LEADER, _CURVE = 100.0, 40.0, 20.0, 10.0, 6.0
 _MARK_SIZE = 7.0
 """Diameter of a mark [points]."""
 _DISTANCE_COST = 0.02
-"""Cost of a number for each point of distance from its mark: less than that of hiding a curve."""
+"""Cost of a number for each point of distance from its mark: less than for hiding a curve."""
 _BOX_MARGIN = 2.0
 """Margin of the box of a number around its text [pixels]."""
 

@@ -67,7 +67,7 @@ _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
     """Return the curves of `rate_chart` for a trade-off; NaN where no deflection is sufficient.
 
-    `trade_off`: limits [rad] over rate limits [rad/s], with those of flown laws or without. The
+    `trade_off`: limits [rad] over rate limits [rad/s], with flown laws or without. The
     nozzle is a point, at its own rate limit, if that is among the rates.
     """
     flown = trade_off.limits if isinstance(trade_off, FlownTradeOff) else {}

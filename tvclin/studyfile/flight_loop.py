@@ -277,7 +277,7 @@ class FlightLoop:
         The required one is the requirement of the sizing that counts, with its lower bounds beside
         it; their parameters vary only if its own do: the bound of a frozen vehicle is none along
         the flight. The bounds are the minimum, with the wind known, and that without a forecast.
-        `sizing`: that of the flight and its winds. `requirements`: whether the autopilot
+        `sizing`: of the flight and its winds. `requirements`: whether the autopilot
         requirement stands beside them too; in both planes it is not computed, and NaN. `progress`:
         called with flights done and in total.
         """

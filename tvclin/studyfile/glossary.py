@@ -92,7 +92,7 @@ def symbol_table() -> Table:
 def equation_table(s: Study) -> Table:
     """Return the equations that a study `s` uses: number, equation as corrected, and use.
 
-    They are those with a use in every study, and those of its models and of its closed forms.
+    They are used in every study, by its models, or by its closed forms.
     """
     printed = tomllib.loads((files("tvclin.studyfile") / "equations.toml").read_text("utf-8"))
     used = {key: equation["use"] for key, equation in printed.items() if "use" in equation}

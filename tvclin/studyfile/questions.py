@@ -472,7 +472,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
     It is a criterion on the linear loop: where it is not satisfied, limits are reached more often.
     Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
     bound. `findings`: results of a plan with turbulence. `limit`: deflection limit [rad]. Each pair
-    is the required and the available value, at nominal pressure and at that of the head wind.
+    is the required and the available value, at nominal pressure and at the head wind's.
     """
     t, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
     if t is None:
@@ -613,7 +613,7 @@ def _flexible(findings: Findings) -> Question:
     """Return the question whether the flexible vehicle survives, flown with the limit.
 
     `findings`: results of a plan whose vehicle has a structure, with its autopilot. Outcomes and
-    boundaries, which are smallest limits [rad], are those of the flexible and of the rigid vehicle.
+    boundaries, which are smallest limits [rad], are of the flexible and of the rigid vehicle.
     """
     f = findings.flexible
     if f is None or f.flight is None:

@@ -209,8 +209,8 @@ def _study(
 def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> str:
     """Return the source of a vehicle, with keys of its file set.
 
-    `source`: name or path. `tables`: those of its file. `settings`: keys and values. `InputError`
-    for keys of a flight schedule, whose columns are not those of a vehicle file.
+    `source`: name or path. `tables`: of its file. `settings`: keys and values. `InputError`
+    for keys of a flight schedule, whose columns are no keys of a vehicle file.
     """
     if settings and is_schedule(source):
         raise InputError(
@@ -223,7 +223,7 @@ def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> st
 def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
     """Return tables with keys set; `InputError` where two of the keys exclude each other.
 
-    `tables`: those of a file, which are changed. `settings`: keys and values. Two
+    `tables`: of a file, which are changed. `settings`: keys and values. Two
     exclude each other where the later removes the key of the earlier. [plant] and [controller],
     which have a single key, are removed with it.
     """

@@ -217,7 +217,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
     """Return the numbers of findings shown with the verdict, each with its label.
 
     The survived peak [rad] is the smaller of two: that of the limit alone, and that which the
-    autopilot survives, flown with the limit. In both planes it is that of the vector of the wind.
+    autopilot survives, flown with the limit. In both planes it is of the vector of the wind.
     """
     s = findings.study
     rows: list[tuple[str, Line]] = []

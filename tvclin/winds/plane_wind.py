@@ -185,7 +185,7 @@ class PlaneWind:
     def peak(self) -> FloatArray:
         """Largest size of the wind vector [rad], shape ``batch``.
 
-        The peaks of pitch and yaw may be at different times: it is that of the component along its
+        The peaks of pitch and yaw may be at different times: it belongs to the component along its
         direction, or, where the direction changes, the root of the peak of the squared size.
         """
         along_direction = np.abs(self.component(self.direction).peak)
@@ -199,7 +199,7 @@ class PlaneWind:
     def unidirectional(self) -> BoolArray:
         """Whether the wind vector stays on one line, shape ``batch``.
 
-        It does if all terms of pitch and yaw have the same ratio, that of `direction`.
+        It does if all terms of pitch and yaw have the ratio of `direction`.
         """
         pitch, yaw = self._terms
         line = unit_vector(self.direction)[..., np.newaxis]

@@ -266,7 +266,7 @@ class Turbulence(Record):
         """Return A [1/s], b and c of the filter in time from unit white noise to the wind [m/s].
 
         With white noise n the filter is x' = A x + b n, w = c x. Its first states are those of
-        `normalised_filter`, with a cutoff two more follow.
+        `normalised_filter`; with a cutoff two more follow.
 
         Parameters
         ----------

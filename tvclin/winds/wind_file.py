@@ -166,7 +166,7 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
 def heading_of(direction: float | None, azimuth: float | None) -> float | None:
     """Return the heading of `ShapedWind` [rad]; None without a direction.
 
-    It is the direction from which the wind blows, clockwise from that of the flight. `direction`,
+    It is the direction from which the wind blows, clockwise from the flight. `direction`,
     `azimuth`: direction from which the wind blows and azimuth of the flight [rad], clockwise from
     north.
     """

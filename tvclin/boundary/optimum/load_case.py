@@ -138,7 +138,7 @@ class LoadCase:
         the cells [s], ``(n,)``. `ends`: the deflection at start and end of each cell, minus the
         reference [rad], ``(2, n)``. Returned: ``(n, q)``.
 
-        The load is that of the reference, plus M times the difference, plus the sum of c z over the
+        It is the reference's load, plus M times the difference, plus the sum of c z over the
         modes: z is summed from node to node, unstable ones backward from their final state, and
         from the node to each point of the cell.
         """

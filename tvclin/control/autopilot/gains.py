@@ -275,7 +275,7 @@ def load_minimum_gains(
 
     The bending moment vanishes with it. The attitude has no reference any more: with drift and
     gravity the flight path diverges slowly, near e^(w t) with w = C2/mu_alpha = g sin(Theta_n)/V_n,
-    and the margins on the exact models are those of an unstable loop.
+    and the margins on the exact models belong to an unstable loop.
 
     Parameters
     ----------

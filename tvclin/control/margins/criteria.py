@@ -121,7 +121,7 @@ class Judgement(Record):
     def shortfall(self) -> Line:
         """Name and surplus of one margin, for a margin that does not satisfy its criterion.
 
-        The name is that of the mode, if it is a margin of one.
+        The name is the mode's, if it is a margin of one.
         """
         _, unit = self.criterion.shown
         label = self.band or MARGINS[self.criterion.margin][0]

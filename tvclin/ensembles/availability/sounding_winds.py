@@ -438,7 +438,7 @@ class SoundingWinds:
         """Return winds [m/s] at heights [m], ``(n, k)``; beyond the levels they are constant.
 
         `wind`: winds at the levels of all soundings, in the order of `height` of this record. Each
-        sounding's heights are shifted beyond those of the one before, so that one call of
+        sounding's heights are shifted beyond the heights of the one before, so that one call of
         `np.interp` serves all.
         """
         shifts = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)

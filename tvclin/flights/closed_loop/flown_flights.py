@@ -152,7 +152,7 @@ class FlownFlights:
     def laws_at(self, times: FloatArray, which: IntArray) -> Autopilot:
         """Return the autopilots at times [s] of the flights with indices `which`, each ``(n,)``.
 
-        Only their gains differ between flights; filters and hardware are those of the first.
+        Only their gains differ between flights; filters and hardware are the first's.
         """
         first, times = self.flights[0], self._within(times)
         laws = autopilot_along(first.autopilot, first.gain_flight, times)

@@ -115,7 +115,7 @@ def _largest_trim(along: FlownFlight) -> float:
     """Return the largest trim deflection ``|B(t) alpha_w(t)|`` [rad] of a flight in its wind.
 
     It is at the dynamic pressure encountered; B is the trim deflection per angle of attack. After
-    the end of the schedule the vehicle is that of its end. `InputError` for a calm;
+    the end of the schedule the vehicle is as at its end. `InputError` for a calm;
     `NotKnownError` for a wind beyond linear aerodynamics.
     """
     wind: WindAlong = along.wind

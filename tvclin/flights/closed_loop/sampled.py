@@ -132,7 +132,7 @@ class Stepper:
 def _minimum_samples(f: Flights) -> IntArray:
     """Return the smallest number of samples of each of the flights `f`, ``(m,)``.
 
-    It is that of a fixed end, or of the wind and the time that a flight must be settled after it.
+    It belongs to a fixed end, or to the wind and the time that a flight must be settled after it.
     """
     return np.where(f.cases.finish < NEVER, f.cases.finish, f.cases.ends + f.cases.settling)
 
@@ -312,7 +312,7 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
 
     A row of the track is a substep: its state, command, deflection at the end, whether the nozzle
     was limited, and its start [s]. `f`: arrays of the flight with its track. `system`: plant with
-    nozzle, whose first `n` states are those of the plant.
+    nozzle, whose first `n` states are the plant's.
     """
     N, order = f.now.y.shape[1], len(system.states)
     limit, track = float(f.cases.limit[0]), _recorded_rows(f)

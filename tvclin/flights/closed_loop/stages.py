@@ -457,7 +457,7 @@ class Stages:
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
             """Return the criteria at times [s] of judged samples with the indices `index`, by name.
 
-            The samples are `rows` of all samples; the names are those of `Vehicles`.
+            The samples are `rows` of all samples; the names are as in `Vehicles`.
             """
             criteria = outcome_criteria(self.plants_at(times, self.flight[rows[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))

@@ -241,7 +241,7 @@ class Prediction:
         """Return the predicted measurements of a law, minus the outputs of the nominal flight.
 
         `angle`: wind angle [rad] at the end of the step. `nominal`: outputs of the nominal flight
-        there, a `Row`. The rate is that of second-order Adams-Bashforth; attitude and path rotate
+        there, a `Row`. The rate is by second-order Adams-Bashforth; attitude and path rotate
         on, and the angle of attack changes by the rotation of attitude, path and wind.
         """
         h, rate = self._step, self._rate

@@ -101,7 +101,7 @@ class FlightMode:
     def trim_per_wind(self, t: Any) -> FloatArray:
         """Return B of eq (5), the ratio of static trim deflection to angle of attack.
 
-        `t`: times [s], whose shape is that of the result.
+        `t`: times [s], of the shape of the result.
         """
         _, inputs = self.matrices(t)
         of_deflection, of_wind = inputs[..., 1, 0], inputs[..., 1, 1]  # of the attitude rate
@@ -294,8 +294,8 @@ class FlightMode:
     def _march(self) -> tuple[FloatArray, FloatArray]:
         """Ends of steps [s] ``(k,)``, and costate and control reach there ``(k, m + 1)``.
 
-        They are integrated backwards from the end of the span, where they are those of the frozen
-        vehicle, and scaled to a costate of length one after each step.
+        They are integrated backwards from the end of the span, where the
+        vehicle is frozen, and scaled to a costate of length one after each step.
         """
         start, stop = self.span
         breakpoints = np.append(self.schedule.times, self.last_unstable)

@@ -511,7 +511,7 @@ def _deviation(covariance: CovarianceHistory, times: FloatArray, output: str) ->
 def _worst(rows: list[LargestInTurbulence]) -> LargestInTurbulence:
     """Return the largest of each quantity over the flight times of a wind.
 
-    `rows`: the largest at each of these times; the time of the result is that of the largest
+    `rows`: the largest at each of these times; the time of the result has the largest
     deflection.
     """
     rates = [row.deflection_rate for row in rows if row.deflection_rate is not None]

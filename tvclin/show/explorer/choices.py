@@ -359,9 +359,9 @@ def _rule(design: AutopilotDesign) -> str:
 
 
 def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
-    """Return the autopilot design of the values `v` of the controls; `design`: that of the file.
+    """Return the autopilot design of the values `v` of the controls; `design`: of the file.
 
-    Numbers of a rule stay while the rule is that of the file. Added gains stay always, filters
+    Numbers of a rule stay while the rule is as in the file. Added gains stay always, filters
     where their switch is on.
     """
     rule, chains = v["design"], design.chains if v["filters"] else {}
@@ -476,7 +476,7 @@ def write_study(choices: Choices, name: str, source: str | None = None) -> Path:
 def _wind(wind: Any) -> list[tuple[str, Table]]:
     """Return the tables of a study file for a wind and its gust.
 
-    A direction is written relative to that of flight, north: `azimuth_deg` is zero.
+    A direction is written relative to the flight, north: `azimuth_deg` is zero.
     """
     assert isinstance(wind, ShapedWind)
     peak = _peak(float(wind.peak), wind.speed)

@@ -359,7 +359,7 @@ def _add_entry(
 ) -> None:
     """Add a sounding to the collection, or the reason why it cannot be used.
 
-    A sounding of a station other than that of the filter is left out; its station is known where
+    A sounding of another station than the filter's is left out; its station is known where
     the source names it, as pages of the University of Wyoming do. `entry`: the sounding. `time`:
     its time [UTC]. `name`: name of its file. `sounding_filter`: which station is read.
     """
