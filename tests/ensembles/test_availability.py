@@ -434,6 +434,23 @@ def test_a_cross_wind_whose_square_is_below_all_numbers_is_calm(flight, azimuth)
     assert faint == calm > 0.0
 
 
+def test_heights_without_a_measurement_are_noted_with_the_wind_assumed_there(
+    flight, archive
+) -> None:
+    """Of a balloon that reaches over all of the flight there is no note."""
+    whole = archive[0]
+    low = whole.between(float(whole.height[0]), 9e3)
+    notes = {}
+    for name, wind in (("whole", whole), ("low", low)):
+        result = tv.availability(flight, one(wind), limit=1.0, **PITCH)
+        notes[name] = [note for note in result.notes if "is not measured" in note]
+    assert whole.height[-1] > flight.height[-1]
+    assert notes["whole"] == []
+    (note,) = notes["low"]
+    assert note.startswith("the wind is not measured above 9 km: ")
+    assert "130 m/s against the vehicle" in note
+
+
 def test_a_gap_in_which_not_every_wind_is_counted_is_noted(flight, archive) -> None:
     wind = archive[11]
     keep = (wind.height <= 9.1e3) | (wind.height >= 11.4e3)

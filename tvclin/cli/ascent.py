@@ -150,8 +150,8 @@ def ascent(
     autopilot requirement, in some seconds for each flight time.
 
     Exit code 0: the limit is SUFFICIENT and every flight of its autopilot SURVIVED, or no limit was
-    given; 1: NOT SUFFICIENT, NOT SURVIVED, or NOT KNOWN, as where a sounding ends below the flight;
-    2: bad input.
+    given; 1: NOT SUFFICIENT, NOT SURVIVED, or NOT KNOWN, as where a sounding ends below the flight
+    (tvclin availability assumes 130 m/s there, a bound); 2: bad input.
     """
     case = case_over_flight("ascent", source, winds, question, limits, model, planes)
     request = case.sizing

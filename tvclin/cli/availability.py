@@ -24,12 +24,15 @@ from tvclin.cli.output import (
     waiting,
 )
 from tvclin.ensembles.availability import availability_record as answer_tables
+from tvclin.ensembles.availability.availability import unmeasured_notes
 from tvclin.ensembles.availability.availability_record import Availability, Today
 from tvclin.studyfile.read import is_flight, is_flight_with_keys, load_sizing, load_study
 from tvclin.studyfile.settings import with_settings
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.vehicle.vehicle_file import source_tables
+from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.profile import WindProfile
 
 _REQUEST = "ensembles.availability.availability.AvailabilityRequest"
 _SHOWN_TIMES = {"start": "the first", "stop": "the last"}
@@ -79,7 +82,9 @@ def availability(
     """Print on how many days of an archive of soundings the nozzle is sufficient.
 
     Each sounding is flown through along the whole flight, with trim up to the limit (K = 1), which
-    needs no forecast. What a balloon did not see is unknown, not calm. Years, gust, persistence
+    needs no forecast. What a balloon did not see is unknown, not calm: above its last level a limit
+    must be sufficient for 130 m/s against the vehicle, a bound with which a verdict can be GO where
+    tvclin ascent, which assumes nothing there, is NOT KNOWN. Years, gust, persistence
     until launch and the format of files are keys: --set availability.years 1990,2020, --set
     availability.persistence_hours 3, --set gust.peak_speed_m_per_s 9, --set sounding.units ft,mph.
 
@@ -108,12 +113,12 @@ def availability(
     assert plan.availability is not None
     flight = plan.availability.flight.between(times.values.get("start"), times.values.get("stop"))
     request = replace(plan.availability, flight=flight)
-    for note in () if balloon is None else balloon.notes:
-        note_below(f"{called(today)}: {note}")
     with bar("soundings") as progress:
         towards = np.atleast_1d(request.azimuth if azimuths is None else azimuths)
         result = request.availability(plan, progress, towards)
     judged = () if balloon is None else result.today(balloon)
+    for note in () if balloon is None else _balloon_notes(result, balloon):
+        note_below(f"{called(today)}: {note}")
     _write(result, source, csv, plot)
     answer(
         as_json,
@@ -121,6 +126,12 @@ def availability(
         lambda: _print(result, judged, source, more),
         all(day.go for day in judged) if judged else any(s.judged for s in result.fraction()),
     )
+
+
+def _balloon_notes(result: Availability, balloon: WindProfile) -> list[str]:
+    """Return the notes on the balloon of today, and on heights at which it measured no wind."""
+    sounding = Soundings.from_profiles([balloon], ["2000-01-01"])  # its time does not count
+    return [*balloon.notes, *unmeasured_notes(result.judge, sounding)]
 
 
 def _write(result: Availability, source: str, csv: Path | None, plot: Path | None) -> None:

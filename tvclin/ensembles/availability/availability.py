@@ -26,6 +26,7 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import checked_gust
 from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.levels import MAX_WIND_SPEED
 from tvclin.winds.wind_angles import FROZEN, MAX_LINEAR_ANGLE
 
 _MAX_BOUND_SPREAD = 0.02
@@ -174,6 +175,7 @@ def availability(
         notes=(
             *(*soundings.notes, *growth_notes, *flight_notes),
             *_judged(judge, required.judged),
+            *unmeasured_notes(judge, soundings),
             *_gaps(judge, soundings),
             *_seasons(soundings, required.reasons),
         ),
@@ -224,6 +226,31 @@ def _added(
         ]
     notes = [f"persistence adds {np.degrees(growth):.4g} deg"] if growth else []
     return np.full(lower.shape[0], growth), notes
+
+
+def unmeasured_notes(judge: Judge, soundings: Soundings) -> list[str]:
+    """Return a note on heights at which winds are not measured, and the wind assumed there.
+
+    `judge` has the path of the flight, along which the heights of `soundings` count.
+    """
+    path = judge.path
+    winds = sounding_winds.SoundingWinds.of(soundings[soundings.usable], path)
+    low, high = path.height[[0, -1]].tolist()
+    below, above, gaps = winds.bottom > low, winds.top < high, winds.has_wide_gaps
+    count, total = int(np.sum(below | above | gaps)), below.size
+    if not count:
+        return []
+    where = [
+        *[f"below {1e-3 * winds.bottom.max():.3g} km"] * bool(np.any(below)),
+        *[f"above {1e-3 * winds.top.min():.3g} km"] * bool(np.any(above)),
+        *["in wide gaps"] * bool(np.any(gaps)),
+    ]
+    whose = "the wind" if total == 1 else f"the wind of {count} of {total} soundings"
+    return [
+        f"{whose} is not measured {' and '.join(where)}: to be sufficient, a limit must survive"
+        f" {MAX_WIND_SPEED:g} m/s against the vehicle there (less where its angle would not be"
+        " linear)"
+    ]
 
 
 def _gaps(judge: Judge, soundings: Soundings) -> list[str]:

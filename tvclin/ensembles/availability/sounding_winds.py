@@ -330,9 +330,18 @@ class SoundingWinds:
     @property
     def has_bounded_gaps(self) -> BoolArray:
         """Whether a sounding has a gap of at most `MAX_BOUNDED_DISTANCE`, ``(n,)``."""
+        return self._with_gaps(self.gaps[self._gap_distance <= MAX_BOUNDED_DISTANCE])
+
+    @property
+    def has_wide_gaps(self) -> BoolArray:
+        """Whether a sounding has a gap of more than `MAX_BOUNDED_DISTANCE`, ``(n,)``."""
+        return self._with_gaps(self.gaps[self._gap_distance > MAX_BOUNDED_DISTANCE])
+
+    @property
+    def _gap_distance(self) -> FloatArray:
+        """Distance [m] of the measured levels at both sides of each gap, in the order of `gaps`."""
         # the measured levels above and below the two that are added in a gap
-        distance = self.height[self.gaps + 2] - self.height[self.gaps - 1]
-        return self._with_gaps(self.gaps[distance <= MAX_BOUNDED_DISTANCE])
+        return np.asarray(self.height[self.gaps + 2] - self.height[self.gaps - 1])
 
     def _with_gaps(self, gaps: IntArray) -> BoolArray:
         """Return whether soundings have one of the gaps, ``(n,)``.
@@ -393,7 +402,7 @@ class SoundingWinds:
         `height`: k heights for each sounding, ``(n, k)``. The wind is not measured beyond the
         levels, and in gaps wider than `distance` [m].
         """
-        gaps = self.gaps[self.height[self.gaps + 2] - self.height[self.gaps - 1] > distance]
+        gaps = self.gaps[self._gap_distance > distance]
         # one within a gap and zero outside, interpolated as a wind is
         edge = np.zeros(self.height.size)
         edge[gaps] = edge[gaps + 1] = 1.0
