@@ -737,6 +737,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "rate_limit": 0.1,
                 "needed_rate": 0.05,
                 "end": "the first of the schedule: more may be needed before",
+                "listed": (65.0, 70.0),
             },
         ),
         "Dispersion": Door(
@@ -1282,7 +1283,8 @@ def doors(folder: Path) -> dict[str, Door]:
         "SizingRequest.sizing": Door(request.sizing, {"case": study.case, "progress": None}),
         "SizingRequest.times": Door(request.times, {"case": study.case}),
         "SizingRequest.total": Door(
-            request.total, {"case": study.case, "sizing": sizing, "turbulence": None}
+            request.total,
+            {"case": study.case, "sizing": request.sizing(study.case), "turbulence": None},
         ),
         "SizingRequest.turbulence": Door(
             request.turbulence,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,10 +35,11 @@ from tvclin.requirement.flight.flight_requirement import (
 )
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence, flight_turbulence
 from tvclin.requirement.flight.flight_winds import WindOf
+from tvclin.requirement.flight.refinement import refined_sizing
 from tvclin.requirement.flight.size import WORDS, size
 from tvclin.requirement.flight.sizing import Sizing
-from tvclin.requirement.flight.total import DeflectionTotal, worst_total
-from tvclin.requirement.required_quantity import TRIM, Requirement, requirement_among
+from tvclin.requirement.flight.total import DeflectionTotal, totals_over_flight, worst_total
+from tvclin.requirement.required_quantity import NO_FORECAST, TRIM, Requirement, requirement_among
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
 from tvclin.winds.histories import History
@@ -423,10 +425,19 @@ class SizingRequest:
         For pulses it has the requirements of the largest dead band in head and tail winds as well.
         `progress`: called with the numbers of finished and of all requirements.
         """
+        return self._sizing_at(case, self.times(case), progress)
+
+    def _sizing_at(
+        self,
+        case: Case,
+        times: FloatArray,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Sizing:
+        """Return the sizing at flight times [s]; other parameters as `sizing`."""
         result = size(
             self.schedule,
             self.winds(case),
-            times=self.times(case),
+            times=times,
             dead_bands=self.dead_bands,
             model=case.model,
             plane=case.planes,
@@ -514,22 +525,41 @@ class SizingRequest:
         sizing: Sizing,
         turbulence: FlightTurbulence | str | None = None,
     ) -> DeflectionTotal:
-        """Return the worst total of a sizing; same exceptions as `worst_total`.
+        """Return the largest total over the flight; same exceptions as `worst_total`.
 
-        `turbulence`: result of `turbulence`.
+        It counts flight times between those of the sizing too, about its largest totals; see
+        `refined_sizing`. `sizing`: result of `sizing`. `turbulence`: result of `turbulence`.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
-        return worst_total(
-            sizing,
-            self.counted(sizing, case.sign),
-            dispersion=self.dispersion,
-            thrust_offset=self.thrust_offset,
-            gravity_offset=self.gravity_offset,
-            reserve=self.reserve,
-            limit=case.nozzle.limit,
-            rate_limit=case.nozzle.rate_limit,
-            turbulence=turbulence,
+        errors.instance("sizing", sizing, Sizing, "see sizing()")
+        if sizing.winds != tuple(self.winds(case)):
+            raise errors.InputError(
+                "the sizing must be of the winds of this request, as sizing() returns it; got"
+                f" {', '.join(sizing.winds)}"
+            )
+        counted = self.counted(sizing, case.sign)
+        options: dict[str, Any] = {
+            "dispersion": self.dispersion,
+            "thrust_offset": self.thrust_offset,
+            "gravity_offset": self.gravity_offset,
+            "reserve": self.reserve,
+            "limit": case.nozzle.limit,
+            "rate_limit": case.nozzle.rate_limit,
+            "turbulence": turbulence,
+        }
+
+        def totals_of(part: Sizing) -> dict[float, float]:
+            totals = totals_over_flight(part, counted, **options)
+            return {x.time: x.total for x in totals if x.time is not None and x.time in part.times}
+
+        request = replace(  # what else is in the sizing costs time and does not count
+            self,
+            dead_bands=tuple({float(max(self.dead_bands)), counted.dead_band}),
+            law=self.law if counted == NO_FORECAST else "bound",
         )
+        refined = refined_sizing(sizing, partial(request._sizing_at, case), totals_of)
+        worst = worst_total(refined, self.counted(refined, case.sign), **options)
+        return replace(worst, listed=_neighbours(worst.time, sizing.times, refined.times))
 
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
         """Return the controllability ratio of a sizing with the limit of a case.
@@ -610,6 +640,15 @@ class SizingRequest:
                 for note in sounding.profile.notes_along(self.schedule)
             ),
         ]
+
+
+def _neighbours(time: float | None, listed: FloatArray, refined: FloatArray) -> tuple[float, ...]:
+    """Return the two listed flight times [s] about one of the refined ones; empty for others."""
+    if time is None or time in listed or time not in refined:
+        return ()
+    order = np.sort(listed)
+    after = int(np.searchsorted(order, time))
+    return tuple(order[after - 1 : after + 1].tolist())
 
 
 SIZE_TABLE = file_table("[size]", SizingRequest)

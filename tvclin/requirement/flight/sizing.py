@@ -314,6 +314,40 @@ class Sizing(Tabled):
         )
 
 
+def joined_sizing(sizing: Sizing, further: Sizing) -> Sizing:
+    """Return a sizing with the flight times of another one in the same winds, in order of time.
+
+    Requirements [rad] that `further` does not have are NaN at its flight times. Reasons, notes and
+    what belongs to winds fixed in flight time are those of `sizing`.
+    """
+    order = np.argsort(np.concatenate([sizing.times, further.times]), kind="stable")
+
+    def rows(values: Any, others: Any) -> Any:
+        """Return the rows of both sizings, in order of time."""
+        return np.concatenate([values, others])[order]
+
+    unknown = np.full(further.known.shape, np.nan)
+    unsigned = [
+        np.zeros(part.known.shape, dtype=bool) if part.unsigned is None else part.unsigned
+        for part in (sizing, further)
+    ]
+    names = ("times", "begins", "ends", "change", "known", "covered", "slow_mode", "edge")
+    return replace(
+        sizing,
+        **{name: rows(getattr(sizing, name), getattr(further, name)) for name in names},
+        required={
+            name: rows(values, further.required.get(name, unknown))
+            for name, values in sizing.required.items()
+        },
+        separate={
+            plane: joined_sizing(part, further.separate[plane])
+            for plane, part in sizing.separate.items()
+        },
+        gaps=tuple(dict.fromkeys((*sizing.gaps, *further.gaps))),
+        unsigned=rows(*unsigned),
+    )
+
+
 _MAX_LISTED_TIMES = 2
 """Largest number of flight times that are listed one by one."""
 _RELATIVE_TOLERANCE = 1e-9

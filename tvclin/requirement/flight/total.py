@@ -80,6 +80,8 @@ class DeflectionTotal(Shown):
     end : str
         End of the flight at that time, in words, beyond which the total may be larger; empty
         between the ends.
+    listed : tuple of float
+        Listed flight times [s] between which that time lies; empty where it is listed.
     needed_rate : float
         Required rate [rad/s] of a ramp for the required deflection of the wind, at the limit or
         else at any; NaN where it is not known.
@@ -95,6 +97,7 @@ class DeflectionTotal(Shown):
     rate_limit: float | None = quantity("angular rate", None, errors.between(*RATES), card=False)
     needed_rate: float = field(default=0.0, metadata=spec("angular rate", card=False))
     end: str = text("", card=False, document=False)
+    listed: tuple[float, ...] = field(default=(), metadata=spec("time", card=False))
 
     def __post_init__(self) -> None:
         """Check the fields; `InputError` for numbers out of range, and other types."""
@@ -108,6 +111,9 @@ class DeflectionTotal(Shown):
                 f"reserve must be a part of the limit, below 1; got {self.reserve:.6g}"
             )
         errors.instance("needed_rate", self.needed_rate, float, "in rad/s")
+        object.__setattr__(
+            self, "listed", errors.each("listed", self.listed, float, "flight times [s]")
+        )
 
     def _repr_html_(self) -> str:
         return table(total_table(self), self.verdict)
@@ -235,14 +241,17 @@ def total_table(total: DeflectionTotal, counted: str = "") -> Table:
 
 
 def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
-    """Return the worst flight time of a total as the end of a caption, with the end that it is.
+    """Return the worst flight time of a total as the end of a caption.
 
-    `whose`, `defined`: words before the time, such as "its" or "the", and after it.
+    With the listed times between which it lies, or the end of the flight that it is. `whose`,
+    `defined`: words before the time, such as "its" or "the", and after it.
     """
     if total.time is None:
         return ""
+    listed = " and ".join(f"{time:.5g}" for time in total.listed)
+    between = f", between the listed {listed} s" if listed else ""
     end = f", {total.end}" if total.end else ""
-    return f" at {whose} worst flight time{defined}, {total.time:.5g} s{end}"
+    return f" at {whose} worst flight time{defined}, {total.time:.5g} s{between}{end}"
 
 
 def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:
@@ -386,26 +395,56 @@ def worst_total(
     InputError
         For an unknown name, numbers out of range, and an infinite requirement.
     """
+    totals = totals_over_flight(
+        sizing,
+        name,
+        dispersion=dispersion,
+        rate_limit=rate_limit,
+        turbulence=turbulence,
+        **offsets,
+    )
+    not_sized = sizing.not_sized(name)
+    if isinstance(turbulence, str):
+        errors.text("reason", turbulence)
+        not_sized = (*not_sized, f"in turbulence: {turbulence}")
+    if not totals:
+        reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
+        return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
+    # a time at which the nozzle is too slow is worse than any other
+    worst = max(totals, key=lambda total: (total.too_slow, total.total))
+    needed = max(total.needed_rate for total in totals)
+    others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
+    end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
+    return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
+
+
+def totals_over_flight(
+    sizing: Sizing,
+    name: Requirement | str,
+    *,
+    dispersion: float = 0.0,
+    rate_limit: float | None = None,
+    turbulence: FlightTurbulence | str | None = None,
+    **offsets: float | None,
+) -> list[DeflectionTotal]:
+    """Return the total at each flight time of a sizing at which it is known, with that time.
+
+    For a wind that is fixed in flight time it is at the time at which its requirement arises. Same
+    parameters and exceptions as `worst_total`.
+    """
     errors.instance("sizing", sizing, Sizing, "see size")
     ratio = errors.number("dispersion", dispersion, errors.nonnegative)
     if rate_limit is not None:
         rate_limit = errors.number("rate_limit", rate_limit, errors.between(*RATES), "rad/s")
     if turbulence is not None and not isinstance(turbulence, str):
         errors.instance("turbulence", turbulence, FlightTurbulence, "see SizingRequest.turbulence")
-    requirement = requirement_among("name", name, sizing.required)
-    winds, not_sized = _needs(sizing, requirement), sizing.not_sized(requirement)
+    winds = _needs(sizing, requirement_among("name", name, sizing.required))
     if never := [time for time, wind in winds if np.isinf(wind)]:
         raise errors.InputError(
             f"at {never[0]:g} s no limit is sufficient at this dead band, so that there is no"
             " total; take a larger one"
         )
-    if isinstance(turbulence, str):
-        errors.text("reason", turbulence)
-        not_sized = (*not_sized, f"in turbulence: {turbulence}")
-    if not winds:
-        reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
-        return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
-    totals = [
+    return [
         _at_rate(
             total_deflection(
                 sizing.schedule.at(t),
@@ -421,12 +460,6 @@ def worst_total(
         )
         for t, wind in winds
     ]
-    # a time at which the nozzle is too slow is worse than any other
-    worst = max(totals, key=lambda total: (total.too_slow, total.total))
-    needed = max(total.needed_rate for total in totals)
-    others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
-    end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
-    return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
 
 
 def _turbulence(turbulence: FlightTurbulence | str | None, time: float) -> tuple[Line, ...]:

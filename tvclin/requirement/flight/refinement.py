@@ -1,0 +1,92 @@
+"""Flight times between the listed ones of a sizing, about the largest totals.
+
+The largest total of listed flight times is a lower bound of that over the flight. The intervals
+beside each local maximum are halved until a parabola through it and its neighbours can rise above
+it by no more than 0.1 percent: by an eighth of the second difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.requirement.flight.sizing import Sizing, joined_sizing
+
+_MAX_FIRST_STEP_S = 5.0
+"""Largest interval between flight times [s] before the first halving."""
+_MAX_FIRST_STEPS = 1000
+"""Number of such intervals in a flight above which they are longer."""
+_MIN_STEP_S = 0.3
+"""Interval between flight times [s] below which none is halved."""
+_MAX_HALVINGS = 6
+"""Largest number of halvings, each of all intervals at once."""
+_MAX_RELATIVE_RISE = 1e-3
+"""Largest rise of the total between flight times, over the largest total, that is neglected."""
+_MAX_PARABOLIC_STEP_S = 2.5
+"""Interval between flight times [s] above which a total may be no parabola: always halved."""
+_RELATIVE_TOLERANCE = 1e-6
+"""Relative difference of totals below which they count as equal."""
+_LOCAL_MAXIMUM_FRACTION = 0.9
+"""Fraction of the largest total below which local maxima are omitted."""
+
+
+def refined_sizing(
+    sizing: Sizing,
+    size_at: Callable[[FloatArray], Sizing],
+    totals_of: Callable[[Sizing], Mapping[float, float]],
+) -> Sizing:
+    """Return a sizing with further flight times about the largest totals, in order of time.
+
+    Parameters
+    ----------
+    sizing : Sizing
+        The sizing of the listed flight times; returned as it is if these are fewer than two.
+    size_at : callable
+        From flight times [s] to the sizing there.
+    totals_of : callable
+        From a sizing to its totals [rad] by flight time [s], where they are known.
+    """
+    totals = dict(totals_of(sizing))
+    further = _first_times(sizing.times)
+    for _ in range(1 + _MAX_HALVINGS):
+        if further.size:
+            part = size_at(further)
+            totals |= totals_of(part)
+            sizing = joined_sizing(sizing, part)
+        times = np.sort(sizing.times)
+        further = _middles(times, np.array([totals.get(t, np.nan) for t in times.tolist()]))
+        if not further.size:
+            break
+    return sizing
+
+
+def _first_times(times: FloatArray) -> FloatArray:
+    """Return even times [s] in intervals of `times` [s] that are above `_MAX_FIRST_STEP_S`."""
+    step = max(_MAX_FIRST_STEP_S, np.ptp(times) / _MAX_FIRST_STEPS)
+    inside = [
+        np.linspace(*ends, 1 + int(np.ceil((ends[1] - ends[0]) / step - _RELATIVE_TOLERANCE)))
+        for ends in pairwise(np.unique(times).tolist())
+    ]
+    return np.concatenate([[], *(even[1:-1] for even in inside)])
+
+
+def _middles(times: FloatArray, totals: FloatArray) -> FloatArray:
+    """Return the middles [s] of intervals beside local maxima of totals [rad] at `times` [s].
+
+    Intervals below `_MIN_STEP_S`, and those with an end at which the total is NaN, have none.
+    """
+    known, step = ~np.isnan(totals), np.diff(times)
+    both_known = known[:-1] & known[1:]
+    totals = np.where(known, totals, 0.0)
+    largest, rise = totals.max(), np.where(both_known, np.diff(totals), 0.0)
+    before, after = np.append(0.0, rise), np.append(rise, 0.0)
+    widest = np.maximum(np.append(0.0, step), np.append(step, 0.0))
+    parabolic = widest <= _MAX_PARABOLIC_STEP_S
+    flat = largest * np.where(parabolic, 8.0 * _MAX_RELATIVE_RISE, _RELATIVE_TOLERANCE)
+    is_maximum = (before >= 0.0) & (after <= 0.0) & (before - after > flat)
+    is_maximum &= totals >= _LOCAL_MAXIMUM_FRACTION * largest
+    halved = (is_maximum[:-1] | is_maximum[1:]) & both_known & (step >= _MIN_STEP_S)
+    return np.asarray(times[:-1] + 0.5 * step)[halved]
