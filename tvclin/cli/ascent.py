@@ -143,7 +143,8 @@ def ascent(
 
     tvclin study is of one time, tvclin availability of many days. A pulse is placed so that its
     peak meets each flight time; a sounding is flown through. With --winds there is a pulse only if
-    an option or the study file asks for one. Options count more than a study file.
+    an option or the study file asks for one. Options count more than a study file. The budget also
+    counts times between the listed ones, about its largest values.
 
     A flight with its autopilot, such as a table of gains, and a limit, is flown in these winds too:
     the table and the figure are of required, used and remaining deflection; --more also finds the
