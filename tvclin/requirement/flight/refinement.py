@@ -63,6 +63,17 @@ def refined_sizing(
     return sizing
 
 
+def neighbouring_times(
+    time: float | None, listed: FloatArray, refined: FloatArray
+) -> tuple[float, ...]:
+    """Return the two listed flight times [s] about one of the refined ones; empty for others."""
+    if time is None or time in listed or time not in refined:
+        return ()
+    order = np.sort(listed)
+    after = int(np.searchsorted(order, time))
+    return tuple(order[after - 1 : after + 1].tolist())
+
+
 def _first_times(times: FloatArray) -> FloatArray:
     """Return even times [s] in intervals of `times` [s] that are above `_MAX_FIRST_STEP_S`."""
     step = max(_MAX_FIRST_STEP_S, np.ptp(times) / _MAX_FIRST_STEPS)

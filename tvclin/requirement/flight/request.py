@@ -35,7 +35,7 @@ from tvclin.requirement.flight.flight_requirement import (
 )
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence, flight_turbulence
 from tvclin.requirement.flight.flight_winds import WindOf
-from tvclin.requirement.flight.refinement import refined_sizing
+from tvclin.requirement.flight.refinement import neighbouring_times, refined_sizing
 from tvclin.requirement.flight.size import WORDS, size
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.flight.total import DeflectionTotal, totals_over_flight, worst_total
@@ -559,7 +559,7 @@ class SizingRequest:
         )
         refined = refined_sizing(sizing, partial(request._sizing_at, case), totals_of)
         worst = worst_total(refined, self.counted(refined, case.sign), **options)
-        return replace(worst, listed=_neighbours(worst.time, sizing.times, refined.times))
+        return replace(worst, listed=neighbouring_times(worst.time, sizing.times, refined.times))
 
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
         """Return the controllability ratio of a sizing with the limit of a case.
@@ -640,15 +640,6 @@ class SizingRequest:
                 for note in sounding.profile.notes_along(self.schedule)
             ),
         ]
-
-
-def _neighbours(time: float | None, listed: FloatArray, refined: FloatArray) -> tuple[float, ...]:
-    """Return the two listed flight times [s] about one of the refined ones; empty for others."""
-    if time is None or time in listed or time not in refined:
-        return ()
-    order = np.sort(listed)
-    after = int(np.searchsorted(order, time))
-    return tuple(order[after - 1 : after + 1].tolist())
 
 
 SIZE_TABLE = file_table("[size]", SizingRequest)
