@@ -91,8 +91,6 @@ def availability(
     Exit code 0: some soundings were judged; with --today: the limit is sufficient for that balloon,
     in every direction; 1: it is not, or that is not known; 2: bad input.
     """
-    if months:
-        within("--month", months, 1, 12)
     azimuths = azimuth and np.radians(within("--azimuth-deg", azimuth, -360.0, 360.0))
     keys: dict[str, Any] = {
         "availability.archive": [str(file.absolute()) for file in archive or ()],
@@ -105,10 +103,6 @@ def availability(
     }
     with waiting("reading"):
         plan = _plan(source, keys)
-    if not (is_flight_with_keys(source) or is_flight(source)):
-        note_vehicle_warnings(plan.vehicle)
-    note_omissions(plan, "availability")
-    with waiting("reading"):
         balloon = None if today is None else plan.reading.profile(today)
     assert plan.availability is not None
     flight = plan.availability.flight.between(times.values.get("start"), times.values.get("stop"))
@@ -147,13 +141,15 @@ def _write(result: Availability, source: str, csv: Path | None, plot: Path | Non
 
 
 def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
-    """Return the plan of a source with the keys that have a value.
+    """Return the plan of a source with the keys that have a value, and note what is omitted of it.
 
     A study file without a wind gets the usual pulse, which an availability does not count. `keys`:
     values by key of a study file; None, or an empty list, is not given. `InputError` without an
     archive, a direction of flight or a limit.
     """
     values = {key: value for key, value in keys.items() if value is not None and value != []}
+    if "availability.months" in values:
+        within("--month", values["availability.months"], 1, 12)
     missing = {"availability.archive": "a STATION", "availability.azimuth_deg": "--azimuth-deg"}
     tables = source_tables(source)
     named = tables.get("availability", {})
@@ -168,6 +164,9 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
     plan = load_sizing(edited) if is_flight_with_keys(edited) else load_study(edited)
     if plan.nozzle.limit is None:
         raise InputError("availability is judged for a limit: give --limit-deg")
+    if not (is_flight_with_keys(source) or is_flight(source)):
+        note_vehicle_warnings(plan.vehicle)
+    note_omissions(plan, "availability")
     return plan
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed
@@ -245,13 +246,7 @@ def over_rate(
         autopilot_rate = _autopilot_rate(case) if AUTOPILOT in names else None
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
-        front = rate_trade_off(
-            case.plant.rigid,
-            case.history,
-            limit=limit,
-            rate_limit=rate_limit,
-            forecast=case.dead_band < 1.0,
-        )
+        front = _rate_trade_off(case, limit)
         stated = None if front.beyond_linear else _at_limit(case, front, required)
     needed = _flown_limits(case) if every_law else None
     drawn, (curve, point) = needed or front, front.tables()
@@ -302,13 +297,22 @@ def _at_limit(
     if not 0.0 < deflection < np.pi / 2:
         return None
     # the required rate does not depend on the rates of the curve: one is enough
-    plant, rates, rate_limit = case.plant.rigid, front.rates[:1], front.rate_limit
+    return _rate_trade_off(case, deflection, front.rates[:1])
+
+
+def _rate_trade_off(
+    case: StudyPlan, limit: float | None, rates: FloatArray | None = None
+) -> RateTradeOff:
+    """Return the trade-off of a case with a deflection limit [rad] and its own rate limit.
+
+    `rates`: rate limits [rad/s] of the curve, ``(n,)``; by default those of `rate_trade_off`.
+    """
     return rate_trade_off(
-        plant,
+        case.plant.rigid,
         case.history,
         rates,
-        limit=deflection,
-        rate_limit=rate_limit,
+        limit=limit,
+        rate_limit=case.nozzle.rate_limit,
         forecast=case.dead_band < 1.0,
     )
 
