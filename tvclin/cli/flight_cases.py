@@ -202,6 +202,11 @@ class Flying:
         gaps = wind.gaps(self.case.vehicle) if isinstance(wind, SoundingWind) else ""
         return f"the wind is not known {gaps}" if gaps else ""
 
+    @property
+    def unknown_suffix(self) -> str:
+        """End of the verdict: the reason why survival is not known in the wind; often empty."""
+        return f"; {self.unknown_wind}" if self.unknown_wind else ""
+
     def designed(self, plant: Plant) -> ReportControl | Law:
         """Return the report's control, or the law designed on a plant, with dead band or gains.
 
@@ -354,9 +359,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     times = np.linspace(start, start + length, points)
     arguments = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
     flight = compare_flight(case.vehicle, case.control, case.wind, times, **arguments)
-    unknown = case.unknown_wind
-    if unknown:
-        flight = flight.in_unknown_wind()
+    flight = flight.in_unknown_wind() if case.unknown_wind else flight
     ratio_text = f"{limit / case.boundary:.4g} times the linear boundary"
     rate = "" if case.case.nozzle.rate_limit is None else " and no rate limit"
     return Compared(
@@ -369,7 +372,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         heads=case.heads,
         verdict=(
             f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg{rate} {case.conditions};"
-            f" linear theory: {survival(flight.predicted)}{unknown and f'; {unknown}'}"
+            f" linear theory: {survival(flight.predicted)}{case.unknown_suffix}"
         ),
         flight_notes=tuple(_flight_notes(case, flight)),
         title=f"{case.title}; limit {np.degrees(limit):.3f} deg, {ratio_text}".replace("\n", ": "),

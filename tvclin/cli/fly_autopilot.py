@@ -160,8 +160,8 @@ def _compared(
     """
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     rate = case.case.nozzle.rate_limit
-    rigid = f"; rigid: {_word(flight.status[1])}" if case.bends else ""
-    unknown = case.unknown_wind and f"; {case.unknown_wind}"
+    ending = f"; rigid: {_word(flight.status[1])}" * case.bends + case.unknown_suffix
+    ends = [abs(boundary.deflection) for boundary in boundaries or ()]
     turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
         case=case,
@@ -169,13 +169,11 @@ def _compared(
         limit=limit,
         reference="rigid",
         columns=("flexible", "rigid") if case.bends else ("flown",),
-        boundary=(abs(boundaries[0].deflection), abs(boundaries[-1].deflection))
-        if boundaries
-        else None,
+        boundary=(ends[0], ends[-1]) if ends else None,
         heads=[case.title],
         verdict=(
             f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL},"
-            f" {FROZEN_VEHICLE}{rigid}{unknown}"
+            f" {FROZEN_VEHICLE}{ending}"
         ),
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
         title=(
