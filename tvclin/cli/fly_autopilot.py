@@ -161,6 +161,7 @@ def _compared(
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     rate = case.case.nozzle.rate_limit
     ending = f"; rigid: {_word(flight.status[1])}" * case.bends + case.unknown_suffix
+    size = f"{np.degrees(limit):.3f} deg"
     ends = [abs(boundary.deflection) for boundary in boundaries or ()]
     turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
@@ -171,14 +172,11 @@ def _compared(
         columns=("flexible", "rigid") if case.bends else ("flown",),
         boundary=(ends[0], ends[-1]) if ends else None,
         heads=[case.title],
-        verdict=(
-            f"{_word(flight.status[0])} with {np.degrees(limit):.3f} deg {NOMINAL},"
-            f" {FROZEN_VEHICLE}{ending}"
-        ),
+        verdict=f"{_word(flight.status[0])} with {size} {NOMINAL}, {FROZEN_VEHICLE}{ending}",
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
-        title=(
-            f"{flight_title(case)}; {case.plant.model}, limit {np.degrees(limit):.3f} deg{turning}"
-        ).replace("\n", ": "),
+        title=f"{flight_title(case)}; {case.plant.model}, limit {size}{turning}".replace(
+            "\n", ": "
+        ),
         facts={
             "flexible": case.bends,
             "linear_model": case.plant.model,
