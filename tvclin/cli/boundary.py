@@ -185,8 +185,7 @@ def print_in_wind(
     """
     from tvclin import plots
 
-    plant, wind = case.plant.rigid, case.history
-    start, horizon = control
+    plant, wind, (start, horizon) = case.plant.rigid, case.history, control
     begin = chosen(start, float(wind.onset))
     known_wind = KnownWind.of(plant, wind, begin, horizon, case.nozzle.rate_limit)
     shown.write(

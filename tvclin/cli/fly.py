@@ -187,10 +187,9 @@ def fly(
         limit.only_with(_SINGLE_LAW)
         fly_laws(vehicle, time, motion, single, flies, more, shown)
         return
-    case = case_of(vehicle, *changes, time=time)
-    if time is None:
-        note_single_time(vehicle)
     condition, faults = None, Faults()
+    case = case_of(vehicle, *changes, time=time)
+    note_single_time(vehicle, time)
     with faults.kept():
         case = single.over(case, vehicle)
     engine, varying, *law = what.on(vehicle, case, flies, motion)
@@ -201,8 +200,8 @@ def fly(
         condition = load_flight_condition(vehicle_source(vehicle)) if varying else None
     faults.tell()
     with waiting("flying"):
-        flights = {direction: Flying(case, name, *law) for direction, case in cases.items()}
-        answer = _flown(flights, engine, condition, more)
+        flown = {direction: Flying(case, name, *law) for direction, case in cases.items()}
+        answer = _flown(flown, engine, condition, more)
     if not answer.show(shown, more):
         raise typer.Exit(1)
 

@@ -107,10 +107,13 @@ def note_nominal_pressure(case: Case) -> None:
         note_below(f"the answer is {words} (tvclin study counts it)")
 
 
-def note_single_time(source: str) -> None:
-    """Print on stderr that time_s of a study of a flight schedule selects a single flight time."""
+def note_single_time(source: str, time: float | None) -> None:
+    """Print on stderr that time_s of a study of a flight schedule selects a single flight time.
+
+    `time`: flight time of the options [s], with which nothing is printed.
+    """
     study = source_tables(source).get("study", {})
-    if "time_s" in study and is_schedule(vehicle_source(source)):
+    if time is None and "time_s" in study and is_schedule(vehicle_source(source)):
         note_below(
             f"this is the single flight time {study['time_s']:g} s, time_s in [study]; --set"
             " study.time_s none takes the whole flight"

@@ -301,8 +301,7 @@ def margins(
         return
     only_with("a whole flight: a flight schedule without --at", csv=shown.csv)
     case = case_of(vehicle, *changes, wind=winds.over, time=time)
-    if time is None:
-        note_single_time(vehicle)
+    note_single_time(vehicle, time)
     only_with(_MODES, detuned=detuned and case.vehicle.structure is None)
     aside = ["margins without --limit-deg"] * (not flown)
     if not flown and case.autopilot_design.design != LEAST_NOZZLE:
