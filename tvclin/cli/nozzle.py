@@ -305,7 +305,7 @@ def _rate_trade_off(
 ) -> RateTradeOff:
     """Return the trade-off of a case with a deflection limit [rad] and its own rate limit.
 
-    `rates`: rate limits [rad/s] of the curve, ``(n,)``; by default those of `rate_trade_off`.
+    `rates`: rate limits [rad/s] of the curve, ``(n,)``; by default as in `rate_trade_off`.
     """
     return rate_trade_off(
         case.plant.rigid,

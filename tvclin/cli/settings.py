@@ -138,8 +138,8 @@ def pairs(settings: Iterable[str]) -> list[tuple[str, str]]:
 def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
     """Raise `InputError` for a key that is set beside its own option.
 
-    `options`: the parameters of a command. `values`: their values, by name. The key is that of the
-    option in a study file, or any key of the table that the option stands for; --winds of a command
+    `options`: the parameters of a command. `values`: their values, by name. The key is the option's
+    in a study file, or any key of the table that the option stands for; --winds of a command
     without flight times (--every) stands for all of [wind].
     """
     settings = values.get(_PARAMETER)

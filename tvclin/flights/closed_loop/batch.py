@@ -292,7 +292,7 @@ _IDEAL_BANDWIDTH = 1e100
 def flights(batch: Batch, *, track: bool = False) -> Flights:
     """Return the arrays of the kernel for the flights of a batch at their start, in equilibrium.
 
-    p vehicles are plants with hardware, m flights refer to them by index, and N states are those of
+    p vehicles are plants with hardware, m flights refer to them by index, and N states are of
     vehicle and nozzle. `track`: whether the samples of a single flight are recorded. All arrays are
     writable: the kernel would be compiled again for others.
     """

@@ -53,9 +53,9 @@ def refined_sizing(
     further = _first_times(sizing.times)
     for _ in range(1 + _MAX_HALVINGS):
         if further.size:
-            part = size_at(further)
-            totals |= totals_of(part)
-            sizing = joined_sizing(sizing, part)
+            middle_sizing = size_at(further)
+            totals |= totals_of(middle_sizing)
+            sizing = joined_sizing(sizing, middle_sizing)
         times = np.sort(sizing.times)
         further = _middles(times, np.array([totals.get(t, np.nan) for t in times.tolist()]))
         if not further.size:
@@ -87,17 +87,17 @@ def _first_times(times: FloatArray) -> FloatArray:
 def _middles(times: FloatArray, totals: FloatArray) -> FloatArray:
     """Return the middles [s] of intervals beside local maxima of totals [rad] at `times` [s].
 
-    Intervals below `_MIN_STEP_S`, and those with an end at which the total is NaN, have none.
+    Intervals below `_MIN_STEP_S`, and with an end at which the total is NaN, have none.
     """
-    known, step = ~np.isnan(totals), np.diff(times)
-    both_known = known[:-1] & known[1:]
-    totals = np.where(known, totals, 0.0)
-    largest, rise = totals.max(), np.where(both_known, np.diff(totals), 0.0)
+    finite, step = ~np.isnan(totals), np.diff(times)
+    finite_ends = finite[:-1] & finite[1:]
+    totals = np.where(finite, totals, 0.0)
+    largest, rise = totals.max(), np.where(finite_ends, np.diff(totals), 0.0)
     before, after = np.append(0.0, rise), np.append(rise, 0.0)
     widest = np.maximum(np.append(0.0, step), np.append(step, 0.0))
     parabolic = widest <= _MAX_PARABOLIC_STEP_S
     flat = largest * np.where(parabolic, 8.0 * _MAX_RELATIVE_RISE, _RELATIVE_TOLERANCE)
     is_maximum = (before >= 0.0) & (after <= 0.0) & (before - after > flat)
     is_maximum &= totals >= _LOCAL_MAXIMUM_FRACTION * largest
-    halved = (is_maximum[:-1] | is_maximum[1:]) & both_known & (step >= _MIN_STEP_S)
+    halved = (is_maximum[:-1] | is_maximum[1:]) & finite_ends & (step >= _MIN_STEP_S)
     return np.asarray(times[:-1] + 0.5 * step)[halved]

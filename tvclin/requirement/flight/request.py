@@ -527,7 +527,7 @@ class SizingRequest:
     ) -> DeflectionTotal:
         """Return the largest total over the flight; same exceptions as `worst_total`.
 
-        It counts flight times between those of the sizing too, about its largest totals; see
+        It counts flight times between the sizing's too, about its largest totals; see
         `refined_sizing`. `sizing`: result of `sizing`. `turbulence`: result of `turbulence`.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
@@ -548,9 +548,11 @@ class SizingRequest:
             "turbulence": turbulence,
         }
 
-        def totals_of(part: Sizing) -> dict[float, float]:
-            totals = totals_over_flight(part, counted, **options)
-            return {x.time: x.total for x in totals if x.time is not None and x.time in part.times}
+        def totals_of(refined: Sizing) -> dict[float, float]:
+            totals = totals_over_flight(refined, counted, **options)
+            return {
+                x.time: x.total for x in totals if x.time is not None and x.time in refined.times
+            }
 
         request = replace(  # what else is in the sizing costs time and does not count
             self,

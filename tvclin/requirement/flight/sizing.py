@@ -318,7 +318,7 @@ def joined_sizing(sizing: Sizing, further: Sizing) -> Sizing:
     """Return a sizing with the flight times of another one in the same winds, in order of time.
 
     Requirements [rad] that `further` does not have are NaN at its flight times. Reasons, notes and
-    what belongs to winds fixed in flight time are those of `sizing`.
+    fields of winds fixed in flight time are taken from `sizing`.
     """
     order = np.argsort(np.concatenate([sizing.times, further.times]), kind="stable")
 
@@ -328,8 +328,8 @@ def joined_sizing(sizing: Sizing, further: Sizing) -> Sizing:
 
     unknown = np.full(further.known.shape, np.nan)
     unsigned = [
-        np.zeros(part.known.shape, dtype=bool) if part.unsigned is None else part.unsigned
-        for part in (sizing, further)
+        np.zeros(x.known.shape, dtype=bool) if x.unsigned is None else x.unsigned
+        for x in (sizing, further)
     ]
     names = ("times", "begins", "ends", "change", "known", "covered", "slow_mode", "edge")
     return replace(
@@ -340,8 +340,8 @@ def joined_sizing(sizing: Sizing, further: Sizing) -> Sizing:
             for name, values in sizing.required.items()
         },
         separate={
-            plane: joined_sizing(part, further.separate[plane])
-            for plane, part in sizing.separate.items()
+            plane: joined_sizing(of_plane, further.separate[plane])
+            for plane, of_plane in sizing.separate.items()
         },
         gaps=tuple(dict.fromkeys((*sizing.gaps, *further.gaps))),
         unsigned=rows(*unsigned),

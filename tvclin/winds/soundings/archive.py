@@ -352,7 +352,7 @@ class SoundingFilter:
         """Return whether a sounding passes the filter of station, months and years.
 
         `station`: its station; None, unknown, passes. `time`: its time [UTC]; months and years are
-        those of the local time.
+        in local time.
         """
         if station is not None and self.station is not None and station != self.station:
             return False
