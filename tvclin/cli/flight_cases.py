@@ -390,12 +390,12 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
 def worst_of(flights: dict[str, Compared]) -> Compared:
     """Return the worst of the flights of a case, by the direction of the wind, with a note.
 
-    That is one which does not survive, then the one with the larger flown boundary, where they were
-    sought, then with the larger attitude.
+    A flight that does not survive is worse than others; then a larger flown boundary counts, where
+    boundaries were sought, then a larger attitude.
     """
 
     def order(name: str) -> tuple[bool, float, float]:
-        """Return what makes a flight worse than another, the most important first."""
+        """Return the criteria of the worse flight, the most important first."""
         flown = flights[name]
         boundary = 0.0 if flown.boundary is None else flown.boundary[0] or 0.0
         return flown.flight.survived is not True, boundary, flown.flight.peaks("attitude")[0]

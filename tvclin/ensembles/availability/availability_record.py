@@ -443,13 +443,13 @@ def placard(record: Availability) -> Table:
     `record`: availability; its rows are the fractions `PLACARD`, its columns the azimuths.
     """
     rows: list[tuple[Line, ...]] = []
-    for part, limits in zip(PLACARD, np.atleast_2d(record.placard()).T, strict=True):
-        key = f"availability.placard.{100.0 * part:g}"
+    for fraction, limits in zip(PLACARD, np.atleast_2d(record.placard()).T, strict=True):
+        key = f"availability.placard.{100.0 * fraction:g}"
         cells = (
             minimum_limit(degrees(f"{key}{k}", x))
             for k, x in zip(_towards(record), limits, strict=True)
         )
-        rows.append(((f"{100.0 * part:g} %",), *cells))
+        rows.append(((f"{100.0 * fraction:g} %",), *cells))
     head = ("fraction", *(f"limit [deg]{towards}" for towards in _towards(record)))
     return Table("Limit that is sufficient in a fraction of the soundings", head, tuple(rows))
 
