@@ -192,7 +192,7 @@ class GainProblem:
         """
         c = self.plant.coefficients
         beta = float(np.sqrt(c.mu_alpha))
-        pace = max(self.fastest / beta, 2.0)  # w over beta
+        pace = max(self.fastest / beta, 2.0)  # w/beta; 2 keeps a range to search
         return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
 
     def shortfalls(self, points: FloatArray) -> FloatArray:
@@ -206,9 +206,9 @@ class GainProblem:
         margins = margins_of(loop.analysis(delays=self.criteria.has_delay_limit), loop.batch)
         fractions = [np.full(len(points), -np.inf)]
         fractions += [
-            shortfall(r, getattr(margins, r.margin))
-            for r in self.criteria.limits
-            if r.margin in MARGINS
+            shortfall(criterion, getattr(margins, criterion.margin))
+            for criterion in self.criteria.limits
+            if criterion.margin in MARGINS  # of the whole loop
         ]
         if self.crossover is not None:
             with np.errstate(over="ignore"):  # with a denormal crossover
@@ -223,7 +223,7 @@ class GainProblem:
     @property
     def _mode_limits(self) -> tuple[Criterion, ...]:
         """The criteria for margins of modes, which are no margins of the whole loop."""
-        return tuple(r for r in self.criteria.limits if r.margin not in MARGINS)
+        return tuple(limit for limit in self.criteria.limits if limit.margin not in MARGINS)
 
     def _mode_shortfalls(self, points: FloatArray) -> FloatArray:
         """Return the largest relative shortfall of the margins of modes, by row of gains, ``(n,)``.

@@ -102,10 +102,12 @@ class MinimumGains(Shown):
             "peak": "largest deflection of the linear loop",
             "boundary": "minimum limit with which flights survive",
         }
-        q = self.problem
+        problem = self.problem
         rows = tuple(
             ((name,), degrees(f"least.{name}", angle), number(f"least.{name}.part", angle / trim))
-            for name, angle, trim in zip(q.names, self.deflections, q.trims, strict=True)
+            for name, angle, trim in zip(
+                problem.names, self.deflections, problem.trims, strict=True
+            )
         )
         caption = f"Minimum deflection: {meanings[self.meaning]}"
         return Table(caption, ("wind", "[deg]", "of trim"), rows)
@@ -140,7 +142,7 @@ _EXACT_ROWS = 4
 """Number of the best rows of gains whose exact peaks are computed."""
 _DIGITS = 4
 """Number of significant digits of gains, those that are printed."""
-_REACHES = (2, 6)
+_DIGIT_STEPS = (2, 6)
 """Largest distances of neighbouring gains that are tried, in units of the last digit."""
 _RELATIVE_TOLERANCE = 0.005
 """Relative distance at which a margin, a wind or an edge of the search range counts as active."""
@@ -261,6 +263,7 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
     options: dict[str, Any] = {"initial": first, "start": start, "over_box": start is None}
     pools = _ISLANDS if problem.has_alpha else 1
     # First by peaks of the linear loop; for limits from there on by flights, at last all limits.
+    # A cost below UNSATISFIED_COST is a deflection over trim: the gains have all margins.
     linear = partial(_cost, problem, partial(_linear_peaks, problem))
     points, costs = box_minimum(linear, axes, islands=pools, **options, **_LINEAR_SEARCH)
     if costs[0] < UNSATISFIED_COST and problem.limits:
@@ -296,8 +299,8 @@ def _rounded(problem: GainProblem, point: FloatArray) -> FloatArray:
     if np.any(gains <= 0.0):
         return point
     steps = 10.0 ** (np.floor(np.log10(gains)) + 1 - _DIGITS)  # one unit of the last digit
-    for reach in _REACHES:
-        shifts = np.array(list(product(range(-reach, reach + 1), repeat=gains.size)))
+    for count in _DIGIT_STEPS:  # largest number of these units by which a gain is moved
+        shifts = np.array(list(product(range(-count, count + 1), repeat=gains.size)))
         rows = (np.round(gains / steps) + shifts) * steps
         rows = rows[np.argsort(np.max(np.abs(rows / gains - 1.0), axis=1))]
         points = np.array(
@@ -336,7 +339,7 @@ def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> Floa
 
     The largest over the winds of the problem, until eight time constants of the fastest unstable
     mode after each, without samples. `points`: gains in the unit box, ``(n, axes)``. `goal`: not
-    used, as all peaks are computed.
+    used; `required_limits`, its substitute with limits, is exact below it alone.
     """
     del goal
     rows = replace(problem.autopilot(points), sample_rate=None)
@@ -411,10 +414,10 @@ def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> 
     `margins`: of the loop of the problem. `deflections`: in each wind [rad], ``(winds,)``.
     """
     active = [
-        r.margin
-        for r in problem.criteria.limits
-        if r.margin in MARGINS
-        and abs(shortfall(r, getattr(margins, r.margin))) < _RELATIVE_TOLERANCE
+        criterion.margin
+        for criterion in problem.criteria.limits
+        if criterion.margin in MARGINS  # of the whole loop, not of a mode
+        and abs(shortfall(criterion, getattr(margins, criterion.margin))) < _RELATIVE_TOLERANCE
     ]
     limit = problem.crossover
     if limit is not None and highest_crossover(margins) > (1.0 - _RELATIVE_TOLERANCE) * limit:
@@ -480,15 +483,15 @@ def _refusal(problem: GainProblem, point: FloatArray) -> str:
         f" a1 = {float(autopilot.rate_gain):.4g} s,"
     )
     shortfalls = [
-        (float(shortfall(r, getattr(margins, r.margin))), r)
-        for r in problem.criteria.limits
-        if r.margin in MARGINS
+        (float(shortfall(criterion, getattr(margins, criterion.margin))), criterion)
+        for criterion in problem.criteria.limits
+        if criterion.margin in MARGINS
     ]
     fraction, worst = max(shortfalls, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
     if not margins.stable:
         text += " are unstable"
     elif fraction > 0.0:
-        label, (limit, unit) = MARGINS[worst.margin][0], worst.shown
+        (label, _, _), (limit, unit) = MARGINS[worst.margin], worst.shown
         value = unit_factor(unit) * getattr(margins, worst.margin)
         text += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
     else:

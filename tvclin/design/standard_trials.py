@@ -180,9 +180,11 @@ def standard_laws(
 
     Same exceptions as `design_law`; the law "autopilot" has the gains of `autopilot`, if given.
     """
-    options: dict[str, Any] = {} if autopilot is None else {AUTOPILOT: {AUTOPILOT: autopilot}}
     design = partial(design_law, plant=plant, peak=peak, rate_limit=rate_limit)
-    return {name: design(name, **options.get(name, {})) for name in LAWS}
+    laws = {name: design(name) for name in LAWS}
+    if autopilot is not None:
+        laws[AUTOPILOT] = design(AUTOPILOT, autopilot=autopilot)
+    return laws
 
 
 def law_trials(
@@ -231,8 +233,8 @@ def law_trials(
 
     with repeated(len(pairs)):
         return LawTrials(
-            _trial(plant, *pair, cuts, loads, flown, partial(report, k))
-            for k, pair in enumerate(pairs)
+            _trial(plant, law, wind, cuts, loads, flown, progress=partial(report, k))
+            for k, (law, wind) in enumerate(pairs)
         )
 
 
@@ -283,15 +285,16 @@ def _trial(
     fly for angle of attack and attitude. `flown`: sample rate and hardware of
     `closed_loop_boundary`. `progress`: called with finished and total work.
     """
+    (law_name, flown_law), (wind_name, history) = law, wind
     options = {"cuts": cuts, "highest": _MAX_LIMIT, "progress": progress, **flown}
-    boundary = closed_loop_boundary(plant, law[1], wind[1], **options)
+    boundary = closed_loop_boundary(plant, flown_law, history, **options)
     alpha, attitude = np.nan, np.nan
     if loads and np.isfinite(boundary.limit):
         limit = _LOAD_LIMIT_RATIO * abs(boundary.deflection)
-        alpha, attitude = _loads(plant, law[1], wind[1], limit, flown)
+        alpha, attitude = _loads(plant, flown_law, history, limit, flown)
     return LawTrial(
-        law=law[0],
-        wind=wind[0],
+        law=law_name,
+        wind=wind_name,
         limit=boundary.limit,
         status=boundary.status,
         lowest=float(boundary.scan[0]),
@@ -406,7 +409,8 @@ def load_table(trials: Sequence[LawTrial]) -> Table:
 def scan_text(trials: Sequence[LawTrial]) -> str:
     """Return the range and the steps of the limits that `trials` flew, in sentences.
 
-    All trials fly the first's limits: a coarse scan, and finer steps above the edges of losses.
+    All trials fly the first's limits: a coarse scan of `STEPS` steps, and `ABOVE` of these above
+    each edge of losses in `PARTS` parts each.
     """
     trial = trials[0]
     step = (trial.highest - trial.lowest) / STEPS

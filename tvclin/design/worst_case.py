@@ -112,7 +112,7 @@ class WorstCase(Shown):
     tried: int = field(metadata=spec())
 
     def table(self) -> lines.Table:
-        """Return the nominal and the worst value of each number, and its position."""
+        """Return the nominal and the worst value of each margin and of the deflection, located."""
         rows: list[tuple[lines.Line, ...]] = []
         for name, worst in self.margins.items():
             label, unit, _ = MARGINS[name]
@@ -189,7 +189,8 @@ def worst_case(
     """
     ends = _checked(subject, autopilot, box, wind)
     model = default_model(subject) if model is None else model
-    case = _Case(subject, autopilot, tuple(ends), np.array(list(ends.values())), model, plane, wind)
+    bounds = np.array(list(ends.values()))
+    case = _Case(subject, autopilot, tuple(ends), ends=bounds, model=model, plane=plane, wind=wind)
     K = float(within("dead_band", number("dead_band", dead_band), 0.0, 1.0))
     corners = np.array(list(product((0.0, 1.0), repeat=len(ends))))
     margins = {name: case.worst(corners, partial(case.margin, name)) for name in _SHOWN_MARGINS}
@@ -333,14 +334,14 @@ class _Case:
         by name to ``(n,)``. `proved`: whether a corner is proved to be the minimum, so that nothing
         is searched.
         """
-        nominal = float(value({}))
+        nominal = float(value({}))  # no number other than nominal
         edges = np.broadcast_to(value(self.values(corners)), len(corners))
         best = int(np.argmin(edges))
         point, worst, corner = corners[best], float(edges[best]), True
         if not proved and np.isfinite(worst):
-            # The second argument, costs of the best points so far, is of no use here.
+            # The search also gives the lowest values so far, which are of no use here.
             points, minima = box_minimum(
-                lambda x, _: np.broadcast_to(value(self.values(x)), len(x)),
+                lambda x, _lowest: np.broadcast_to(value(self.values(x)), len(x)),
                 len(self.names),
                 initial=_INTERIOR_POINTS,
                 start=corners,
@@ -350,7 +351,8 @@ class _Case:
                 point, worst = points[0], float(minima[0])
                 corner = bool(np.all((point == 0.0) | (point == 1.0)))
         at = {name: float(v[0]) for name, v in self.values(point[np.newaxis]).items()}
-        return Worst(worst, nominal, at, corner, PROVED if proved else SEARCHED)
+        method = PROVED if proved else SEARCHED
+        return Worst(value=worst, nominal=nominal, at=at, corner=corner, method=method)
 
 
 def unit_of(name: str) -> str:

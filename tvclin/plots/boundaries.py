@@ -123,7 +123,8 @@ def figure_5(
     dead_bands : sequence of float
         K, one for each panel.
     vehicles : sequence of Vehicle or str
-        Vehicles, or what `load_vehicle` finds them by; one curve each.
+        Vehicles, or what `load_vehicle` finds them by; one curve each, from the pole and from the
+        zeros b1 and b2 [1/s] from deflection and from wind to attitude.
     """
     x = _abscissas(tau_beta)
     dead_bands = _fractions(dead_bands)
@@ -145,10 +146,9 @@ def figure_5(
             label = f"{_short(vehicle, number)}, eq (18)"
             columns.append(Column(label, _row(y), panel=panel))
     names = ", ".join(_short(vehicle, number) for number, vehicle in enumerate(loaded, 1))
-    damped = next((s for s in symbols if s != "beta"), "beta")
-    curves = Curves(
-        "figure-5", f"triangular wind, y_BR; {names}", ABSCISSA.format(damped), x, tuple(columns)
-    )
+    # the pole is p instead of beta with damping
+    abscissa = ABSCISSA.format(next((s for s in symbols if s != "beta"), "beta"))
+    curves = Curves("figure-5", f"triangular wind, y_BR; {names}", abscissa, x, tuple(columns))
     labels = list(dict.fromkeys(column.label for column in columns))
     styles: dict[str, Any] = {labels[0]: {"color": INK, "ls": "-", "lw": 2.0}}
     broken = zip(labels[1:], cycle(COLOURS[::3]), cycle(LINES[1::3]), strict=False)
@@ -180,7 +180,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
     """
     errors.instance("study", study, Study, "see Study.from_vehicle")
     chosen = float(study.wind.duration)
-    points = _POINTS if study.gust is None else _FLOWN_POINTS
+    points = _POINTS if study.gust is None else _FLOWN_POINTS  # with a gust each one is flown
     x = (
         np.linspace(0.02, 3.0, points) * chosen
         if durations is None
@@ -228,7 +228,7 @@ def _study_curves(study: Study, durations: FloatArray) -> Curves:
     columns = []
     for model in study.boundaries:
         requirement = required_deflection(Plant(study.coefficients, model), wind, shown)
-        sizes = np.abs(np.degrees(requirement.deflection)).T
+        sizes = np.abs(np.degrees(requirement.deflection)).T  # dead bands, durations
         columns += [
             Column(f"K = {K:g}, {model}", y, "deg") for K, y in zip(shown, sizes, strict=True)
         ]
@@ -474,19 +474,16 @@ def _figure(
     """
     flies = chosen_engine(engine)
     errors.instance("vehicle", name, str, "what load_vehicle finds it by")
-    fractions = errors.one_row(
-        "dead_bands", np.atleast_1d(errors.within("dead_bands", dead_bands, 0.0, 1.0))
-    )
-    durations = [
-        errors.one_row("tau_beta", np.atleast_1d(errors.within("tau_beta", tau_beta, 1e-6, 1e6)))
-    ]
+    fractions = _fractions(dead_bands)
     trajectory = np.atleast_1d(errors.positive("along", along))
+    # of flights with a frozen vehicle, and of those along the flight, of which there may be none
+    durations = [_abscissas(tau_beta)]
     durations.append(errors.one_row("along", trajectory) if trajectory.size else trajectory.ravel())
     x = np.unique(np.concatenate([_CURVES, *durations]))
     vehicle = load_vehicle(name)
     columns = [
         column
-        for letter, K in zip("abcdefghij", fractions.tolist(), strict=False)
+        for letter, K in zip("abcdefghij", fractions, strict=False)
         for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, flies)
     ]
     c = Coefficients.from_vehicle(vehicle)
@@ -521,10 +518,10 @@ def _panel(
         _EQUATION_18: np.asarray(triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)),
     }
     frozen, along = durations
-    for which in _engines(engine):
-        places = frozen if which == engine else along
-        limits = [flown_limit(name, b, K, engine=which) for b in places.tolist()]
-        limits_of[_flown(which)] = _at(x, places, limits)
+    for flown_by in _engines(engine):
+        flown_at = frozen if flown_by == engine else along
+        limits = [flown_limit(name, b, K, engine=flown_by) for b in flown_at.tolist()]
+        limits_of[_flown(flown_by)] = _at(x, flown_at, limits)
     for label, (plane, peak) in ALONG.items():
         limits = [
             flown_limit(name, b, K, plane=plane, peak=peak, along=True) for b in along.tolist()
@@ -543,13 +540,13 @@ def _flown(engine: str) -> str:
     return f"flown, {ENGINES[engine].words}"
 
 
-def _at(x: FloatArray, places: FloatArray, values: Sequence[float]) -> FloatArray:
-    """Return a row over the abscissas `x`, ``(n,)``, with values at some places, NaN elsewhere.
+def _at(x: FloatArray, points: FloatArray, values: Sequence[float]) -> FloatArray:
+    """Return a row over the abscissas `x`, ``(n,)``, with `values` at some points, NaN elsewhere.
 
-    `places`: these abscissas, which are among `x`. `values`: the values there.
+    `points`: abscissas of the values, which are among `x`.
     """
     row = np.full(x.shape, np.nan)
-    row[np.searchsorted(x, places)] = values
+    row[np.searchsorted(x, points)] = values
     return row
 
 

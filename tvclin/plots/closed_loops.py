@@ -95,9 +95,9 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     import matplotlib.pyplot as plt
 
     require_single("step_chart", autopilot, plant)
-    margins = _margins(autopilot, plant)
+    margins = loop_margins(autopilot.exact_loop(plant))
     status, words = margins.status, loop_words(autopilot, plant)
-    closed = autopilot.close(plant)[list(_STEP), "attitude_command"]
+    closed = autopilot.close(plant)[list(_STEP), "attitude_command"]  # attitude and deflection
     horizon = _rounded(_horizon(closed, _LONG / margins.crossover_frequency))
     with np.errstate(over="ignore", invalid="ignore"):
         response = control.step_response(closed, np.linspace(0.0, horizon, _points(plant, horizon)))
@@ -112,7 +112,12 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     )
     lines = [line for panel in drawn.lines.flat for line in panel]
     figure.suptitle(literal(f"Step of the attitude command: {VERDICTS[status]}\n{broken(words)}"))
-    curves = _step_curves(response, f"{words}; {VERDICTS[status]}")
+    rows = np.reshape(np.asarray(response.outputs, dtype=float), (len(_STEP), -1))
+    columns = tuple(
+        Column(name, row, "deg/deg", panel=name) for name, row in zip(_STEP, rows, strict=True)
+    )
+    words = f"{words}; {VERDICTS[status]}"
+    curves = Curves("step", words, "time [s]", np.asarray(response.time), columns)
     # final values of attitude and deflection; an unstable loop has none
     final = np.real(closed.dcgain()).ravel() if status == "ok" else np.full(2, np.nan)
     written = []
@@ -130,16 +135,6 @@ def step_chart(autopilot: Autopilot, plant: AnyPlant) -> "ControlPlot":
     return control_plot(lines, panels[:, np.newaxis], curves)
 
 
-def _step_curves(response: Any, words: str) -> Curves:
-    """Return the curves of a step response [deg/deg] over time [s].
-
-    `response`: python-control's response of the outputs `_STEP`. `words`: description of the loop.
-    """
-    rows = np.reshape(np.asarray(response.outputs, dtype=float), (len(_STEP), -1))
-    columns = [Column(name, row, "deg/deg", name) for name, row in zip(_STEP, rows, strict=True)]
-    return Curves("step", words, "time [s]", np.asarray(response.time), tuple(columns))
-
-
 def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
     """Return the marks of the peak and, for a stable loop, of the final value of a curve.
 
@@ -151,11 +146,11 @@ def _step_marks(curves: Curves, name: str, end: float) -> list[Mark]:
     top = int(np.argmax(np.abs(values)))
     end = 0.0 if abs(end) < ON_AXIS * abs(values[top]) else end
     if np.isnan(end):
-        return [Mark(times[top], values[top], f"{values[top]:.3g}", "o", colour=WARM)]
-    marks = [Mark(times[-1], end, f"in the end {end:.3g}", "s")]
+        return [Mark(times[top], values[top], f"{values[top]:.3g}", colour=WARM)]
+    marks = [Mark(times[-1], end, f"in the end {end:.3g}", shape="s")]
     if top < times.size - 1:
         words = f"peak {values[top]:.3g} at {times[top]:.3g} s"
-        marks.append(Mark(times[top], values[top], words, "o"))
+        marks.append(Mark(times[top], values[top], words))
     return marks
 
 
@@ -176,7 +171,7 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
     """
     instance("wind", wind, History, "such as TriangularWind")
     require_single("wind_chart", autopilot, plant, wind=wind)
-    margins = _margins(autopilot, plant)
+    margins = loop_margins(autopilot.exact_loop(plant))
     answer, status = autopilot.wind_response(plant, wind), margins.status
     start, stop = _wind_horizon(autopilot, plant, wind, margins)
     count = _points(plant, stop - start)
@@ -246,18 +241,18 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
         raise InputError(f"there is nothing to compare: {c.margins.reason}")
     start, end = float(c.wind.onset), float(c.wind.end)
     times = _times(start, start + _LONGER * (end - start), c.wind, _BESIDE)
-    steady = c.autopilot.continuous  # as its peaks
-    answer = steady.wind_response(c.plant, c.wind)
+    # without samples, as the peaks of the comparison
+    answer = c.autopilot.continuous.wind_response(c.plant, c.wind)
     seen = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)
-    against = -float(np.sign(B * c.wind.peak))
+    sign = -float(np.sign(B * c.wind.peak))  # that of trim; limits are sizes [rad]
     levels = {f"boundary K = {K:g}": limit for K, limit in c.boundaries.items()}
     levels[WIND_KNOWN] = c.minimum
     columns = [
         Column(_AUTOPILOT, seen.pop("deflection"), "deg", "deflection"),
         Column(_IDEAL, -B * wind, "deg", "deflection"),
         *(
-            Column(name, np.full(times.size, against * np.degrees(limit)), "deg", "deflection")
+            Column(name, np.full(times.size, sign * np.degrees(limit)), "deg", "deflection")
             for name, limit in levels.items()
             if np.isfinite(limit)
         ),
@@ -273,11 +268,6 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     curves = Curves("comparison-with-trim", words, "time [s]", times, tuple(columns))
     look = Look(called(name, f"Autopilot beside trim\n{words}"), _ORDINATES, _COMPARED, across=1)
     return draw(curves, look)
-
-
-def _margins(autopilot: Autopilot, plant: AnyPlant) -> Margins:
-    """Return the margins of the loop of an autopilot around a plant, without warnings."""
-    return loop_margins(autopilot.exact_loop(plant))
 
 
 def _points(plant: AnyPlant, length: float) -> int:
@@ -378,13 +368,13 @@ def _horizon(system: "control.StateSpace", longest: float) -> float:
     """Return the time [s] in which all relevant modes decay, or one of them grows.
 
     `system`: closed loop with the outputs and the input of the figure. `longest`: longest time [s]
-    for slow modes; NaN without limit. A mode is relevant by its largest residue over its pole, the
-    size of its part in a step response. The time is `_SETTLING_CONSTANTS` time constants of the
+    for slow modes; infinite without limit. A mode is relevant by its largest residue over its pole,
+    the size of its part in a step response. The time is `_SETTLING_CONSTANTS` time constants of the
     slowest decaying mode; an unstable mode, or else an undamped oscillation, counts instead.
     """
     poles, vectors = np.linalg.eig(system.A)
     scale = float(np.abs(poles).max()) or 1.0
-    excited = np.linalg.pinv(vectors) @ system.B
+    excited = np.linalg.pinv(vectors) @ system.B  # left eigenvectors times B
     sizes = np.abs(system.C @ vectors).max(axis=0) * np.abs(excited).max(axis=1)
     sizes = sizes / np.maximum(np.abs(poles), ON_AXIS * scale)
     poles = poles[sizes >= _MIN_MODE_SIZE * sizes.max()]

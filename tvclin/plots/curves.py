@@ -132,7 +132,8 @@ class Curves:
 
 def row_of(name: str, value: object) -> FloatArray:
     """Return values as a row of numbers, ``(n,)``; `name`: their name in messages."""
-    array = array_of(name, value, "iuf", "a row of numbers")  # type: ignore[arg-type]
+    kinds = "iuf"  # integers and floating-point numbers
+    array = array_of(name, value, kinds, "a row of numbers")  # type: ignore[arg-type]
     if array.ndim != 1:
         raise InputError(f"{name} must be one row of numbers; got an array of shape {array.shape}")
     return array if array.dtype == float else array.astype(float)

@@ -102,6 +102,7 @@ def nichols_chart(
     samples = sampled("nichols_chart", autopilot, plant)
     axes = new_axes()
     lines = axes.plot(samples.phase, samples.decibels, label="loop", **_CURVE)
+    # `at`: phase [deg] and magnitude [dB] at a frequency, the position of its mark
     marks = [*margin_marks(samples, samples.at), *mode_marks(samples, samples.at)]
     box = box_sides(criteria)
     _frame_nichols(axes, samples, marks, box)
@@ -127,7 +128,7 @@ def nichols_chart(
 
 def box_sides(criteria: Criteria) -> tuple[float, float, float]:
     """Return the heights of the criteria box above and below -1 [dB], and its half width [deg]."""
-    limits = {r.margin: r.limit for r in criteria.limits}
+    limits = {criterion.margin: criterion.limit for criterion in criteria.limits}
     up, down, half_width = (limits.get(name, 0.0) for name in _SIDES)
     return up, down, half_width
 
@@ -221,7 +222,7 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
     """
     import matplotlib.pyplot as plt
 
-    samples = sampled("bode_chart", autopilot, plant)  # its `at`: phase [deg], magnitude [dB]
+    samples = sampled("bode_chart", autopilot, plant)
     _, axes = plt.subplots(2, 1, figsize=(8.6, 7.4), layout="constrained", sharex=True)
     drawn = samples.data().plot(
         plot_type="bode",
@@ -237,13 +238,23 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
     )
     lines = [line for panel in drawn.lines.flat for line in panel]
     edge = _frame_bode(axes, samples)
-    upper = margin_marks(samples, lambda w: (max(w, edge), samples.at(w)[1]))
-    lower = margin_marks(samples, lambda w: (max(w, edge), samples.at(w)[0]))
+
+    def magnitude(omega: float) -> tuple[float, float]:
+        """Return the position [rad/s, dB] of a mark at a frequency `omega` [rad/s]."""
+        _, decibels = samples.at(omega)
+        return max(omega, edge), decibels
+
+    def phase(omega: float) -> tuple[float, float]:
+        """Return the position [rad/s, deg] of a mark at a frequency `omega` [rad/s]."""
+        degrees, _ = samples.at(omega)
+        return max(omega, edge), degrees
+
+    upper, lower = margin_marks(samples, magnitude), margin_marks(samples, phase)
     _draw_levels(axes, upper, lower)
     # the third mark is that of the phase margin: its number stands in the lower panel
     in_phase = [*upper[2:3], *lower[2:3]]
-    upper += mode_marks(samples, lambda w: (w, samples.at(w)[1]))
-    lower += mode_marks(samples, lambda w: (w, samples.at(w)[0]))
+    upper += mode_marks(samples, magnitude)
+    lower += mode_marks(samples, phase)
     axes[0].figure.suptitle(title("Bode diagram of the loop", samples))
     lines += draw_marks(axes[0], upper)
     handles, labels = axes[0].get_legend_handles_labels()
@@ -271,7 +282,7 @@ def _frame_bode(axes: Any, samples: LoopSamples) -> float:
     if large.size:
         marked = np.max([*decisive, *(w for w in modes if np.isfinite(w))], initial=0.0)
         high_edge = min(high_edge, max(float(large.max()), 2.0 * float(marked)))
-    highest = float(samples.loop.max_frequency()[0, 0])
+    highest = float(samples.loop.max_frequency()[0, 0])  # half the sample rate, or infinite
     high_edge = min(high_edge, 1.1 * highest)
     axes[0].set_xlim(low_edge, high_edge)
     for panel in axes:
@@ -287,8 +298,9 @@ def _frame_bode(axes: Any, samples: LoopSamples) -> float:
         panel.set_ylim(step * np.floor(low / step - 0.3), step * np.ceil(high / step + 0.3))
     low, high = axes[0].get_ylim()
     if modes:  # room for their names; notches and the fall beyond the last mode have no end
-        quiet = float(np.nanmin([0.0, *(samples.at(w)[1] for w in modes if np.isfinite(w))]))
-        low, high = max(low, quiet - _BELOW_MODES), high + _ABOVE_MODES
+        peaks = [decibels for _, decibels in (samples.at(w) for w in modes if np.isfinite(w))]
+        low = max(low, float(np.nanmin([0.0, *peaks])) - _BELOW_MODES)
+        high += _ABOVE_MODES
     axes[0].set_ylim(min(low, -10.0), np.clip(high, 10.0, _MAX_DECIBELS))
     return float(low_edge)
 
@@ -385,6 +397,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
         literal(f"Nyquist diagram: {_encirclements_text(response, samples)}\n{samples.words}")
     )
     handles, labels = panels[1].get_legend_handles_labels()
+    # the first entry is the curve of python-control
     figure.legend(handles[1:], labels[1:], loc="outside lower center", ncols=2)
     distant = [numbered(mark, not mark.inside(panels[1])) for mark in marks]
     write_numbers((panels[0], distant), (panels[1], marks))
@@ -404,8 +417,9 @@ def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
     loop = samples.loop
     axis = np.imag(loop.s_to_w(1j * samples.omega[np.newaxis]))[0]
     poles = loop.form.open_poles()[0].astype(complex)
-    slack = ON_AXIS * np.abs(poles).max()
-    corners = np.unique(np.abs(poles[(np.abs(poles.real) <= slack) & (poles.imag >= 0.0)].imag))
+    rounding = ON_AXIS * np.abs(poles).max()  # a smaller real part counts as none
+    on_axis = poles[(np.abs(poles.real) <= rounding) & (poles.imag >= 0.0)]
+    corners = np.unique(np.abs(on_axis.imag))
     radius = 1e-2 * float(axis[0])
     arc = radius * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, _ARC))
     around_corners = (corners[:, np.newaxis] + arc).ravel()
@@ -415,9 +429,8 @@ def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
     values = loop.form.value(contour[np.newaxis])[0]
     omega = np.imag(loop.w_to_s(1j * nu[np.newaxis]))[0]
     clockwise = -np.sum(np.diff(np.unwrap(np.angle(1.0 + values)))) / np.pi
-    return control.NyquistResponseData(
-        round(clockwise), contour.real + 1j * omega, values, 0, sysname="loop"
-    )
+    along = contour.real + 1j * omega
+    return control.NyquistResponseData(round(clockwise), along, values, dt=0, sysname="loop")
 
 
 def _encirclements_text(response: Any, samples: LoopSamples) -> str:
@@ -440,8 +453,8 @@ def _max_magnitude(samples: LoopSamples) -> float:
     four times the scale is drawn whole.
     """
     sizes = np.abs(samples.response)
-    crossings = samples.margins.crossings
-    factors = crossings.gain_factors[np.isfinite(crossings.gain_factors)]
+    factors = samples.margins.crossings.gain_factors  # 1/|L| where L is real and negative
+    factors = factors[np.isfinite(factors)]
     peaks = [mode.peak for mode in samples.modes if np.isfinite(mode.peak)]
     scale = float(np.max([*(1.0 / factors[factors > 0.0]), *peaks], initial=2.0))
     largest = float(sizes.max())

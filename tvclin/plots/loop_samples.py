@@ -6,7 +6,7 @@ whose modes with a damping of 0.005 are 0.004 of a decade wide: their peaks are 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -139,18 +139,19 @@ def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) ->
             raise InputError(
                 f"{figure} draws one loop; got a batch of shape {autopilot.batch} (see Loop.take)"
             )
-        words = _loop_description(autopilot)
-        return _samples(autopilot, loop_margins(autopilot), None, np.zeros(0), words, _PADE_ORDER)
+        delay = f", delay {float(autopilot.delay):.4g} s" if autopilot.delay > 0.0 else ""
+        words = f"loop of order {autopilot.poles.shape[-1]}{delay}"
+        margins, airframe = loop_margins(autopilot), np.zeros(0)  # no poles of a vehicle are known
+        return _samples(autopilot, margins, None, airframe, words=words, order=_PADE_ORDER)
     instance("autopilot", autopilot, Autopilot, "see design_gains, or a Loop")
-    check_plant(plant)
+    require_single(figure, autopilot, plant)
     assert plant is not None
-    _require_single(figure, autopilot, plant)
     loop, words = autopilot.exact_loop(plant), loop_words(autopilot, plant)
     bands, rigid, order = None, plant, autopilot.pade_order
     if not plant.is_rigid:
         bands, rigid = band_margins(loop, *named_modes(plant)), plant.rigid
     margins = loop_margins(loop) if bands is None else bands.margins
-    return _samples(loop, margins, bands, np.asarray(rigid.poles), words, order)
+    return _samples(loop, margins, bands, np.asarray(rigid.poles), words=words, order=order)
 
 
 def _samples(
@@ -158,6 +159,7 @@ def _samples(
     margins: Margins,
     bands: BandMargins | None,
     airframe: AnyArray,
+    *,
     words: str,
     order: int,
 ) -> LoopSamples:
@@ -177,24 +179,27 @@ def _samples(
     phase = np.degrees(np.unwrap(np.angle(response)))
     nearest = phase[np.argmin(np.abs(1.0 + response))]
     phase = phase - 360.0 * np.round((nearest + 180.0) / 360.0)
-    return LoopSamples(loop, margins, bands, airframe, omega, response, phase, words, order)
+    return LoopSamples(
+        loop,
+        margins,
+        bands,
+        airframe,
+        omega=omega,
+        response=response,
+        phase=phase,
+        words=words,
+        pade_order=order,
+    )
 
 
 def require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
-    """Raise `InputError` unless autopilot, plant and all others are single, and of their types.
+    """Raise `InputError` unless autopilot and plant are of their types, and all are single.
 
-    `figure`: name of the figure, for the message.
+    `figure`: name of the figure, for the message. `others`: by name, such as a wind. What is single
+    has the empty batch shape.
     """
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     check_plant(plant)
-    _require_single(figure, autopilot, plant, **others)
-
-
-def _require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
-    """Raise `InputError` if autopilot, plant or one of the others is a batch.
-
-    `figure`: name of the figure, for the message. A single one has the empty batch shape.
-    """
     shapes = {"autopilot": autopilot.batch, "plant": plant.batch}
     shapes |= {name: value.batch for name, value in others.items()}
     if any(shapes.values()):
@@ -224,12 +229,6 @@ def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
         terms.append(f"sampled at {autopilot.sample_rate:.4g} Hz")
     name = plant.name
     return f"{name and name + ', '}model {plant.model}, {', '.join(terms)}"
-
-
-def _loop_description(loop: Loop) -> str:
-    """Return order and delay of a loop without autopilot, in words."""
-    delay = f", delay {float(loop.delay):.4g} s" if loop.delay > 0.0 else ""
-    return f"loop of order {loop.poles.shape[-1]}{delay}"
 
 
 def title(name: str, samples: LoopSamples, more: str = "") -> str:
@@ -282,19 +281,18 @@ def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> F
 
     `margins`, `modes`: margins and modes of the loop, whose frequencies are among them. Others are
     those of the margins' search, those around lightly damped roots, and `_PER_DECADE` in between;
-    of a sampled loop up to half its rate. A form has its roots in the w plane if it is sampled.
+    of a sampled loop up to half its rate. Its form has roots in the w plane, bilinear image of z.
     """
+    highest = loop.max_frequency()[0, 0]  # half the rate of a sampled loop, else infinite
     omega = grid_frequencies(loop.form, stability(loop.form))[0]
     omega = np.concatenate([omega, _around_light_roots(loop)])
     omega = np.imag(loop.w_to_s(1j * omega[np.newaxis]))[0]
-    omega = np.sort(
-        omega[np.isfinite(omega) & (omega > 0.0) & (omega < loop.max_frequency()[0, 0])]
-    )
+    omega = np.sort(omega[np.isfinite(omega) & (omega > 0.0) & (omega < highest)])
     decades = np.log10(omega[-1] / omega[0])
     even = np.geomspace(omega[0], omega[-1], int(np.ceil(_PER_DECADE * decades)))
     marked = np.array([*decisive_frequencies(margins), *map(mode_frequency, modes)])
     frequencies = np.concatenate([omega, even, marked[marked > 0.0]])
-    return np.unique(np.minimum(frequencies, loop.max_frequency()[0, 0]))
+    return np.unique(np.minimum(frequencies, highest))
 
 
 def _around_light_roots(loop: Loop) -> FloatArray:
@@ -315,35 +313,36 @@ AERO, GAIN, PHASE = ("s", COLOURS[0]), ("^", WARM), ("o", COLOURS[4])
 MODE = ("d", COLOURS[2])
 """Marker and colour of the modes."""
 
-Places = Callable[[float], tuple[float, float]]
+Position = Callable[[float], tuple[float, float]]
 """Function from a frequency [rad/s] to the coordinates of its point in the figure."""
 
 
-def margin_marks(samples: LoopSamples, places: Places) -> list[Mark]:
+def margin_marks(samples: LoopSamples, position: Position) -> list[Mark]:
     """Return the marks of the three margins of a loop; an empty list for an unstable one.
 
-    They are aero, gain-increase and phase margin. A margin without a frequency has no place, and
-    stands in the legend alone. `samples`: the loop. `places`: function from a frequency [rad/s] to
-    the place in the figure.
+    They are aero, gain-increase and phase margin. A margin without a frequency has no position, and
+    stands in the legend alone. `samples`: the loop. `position`: function from a frequency [rad/s]
+    to the position in the figure.
     """
     if not samples.margins.stable:
         return []
     marks = []
-    styles = (AERO, GAIN, PHASE)
+    styles = (AERO, GAIN, PHASE)  # the first three rows of margins
     for (shape, colour), row in zip(styles, samples.margins.rows(), strict=False):
         value = text(margin("", row.value, row.unit))
+        mark = Mark(np.nan, np.nan, shape=shape, name=f"{row.label} {value}", colour=colour)
         if np.isfinite(row.frequency):
-            entry = f"{row.label} {value} at {_at(row.frequency)}"
-            marks.append(Mark(*places(row.frequency), value, shape, entry, colour))
-        else:
-            marks.append(Mark(np.nan, np.nan, "", shape, f"{row.label} {value}", colour))
+            x, y = position(row.frequency)
+            entry = f"{row.label} {value} at {_frequency_text(row.frequency)}"
+            mark = replace(mark, x=x, y=y, text=value, name=entry)
+        marks.append(mark)
     return marks
 
 
-def mode_marks(samples: LoopSamples, places: Places) -> list[Mark]:
+def mode_marks(samples: LoopSamples, position: Position) -> list[Mark]:
     """Return a mark for each mode: its name, and its gain or phase margin if the loop has one.
 
-    `samples`: the loop. `places`: function from a frequency [rad/s] to the place in the figure.
+    `samples`: the loop. `position`: function from a frequency [rad/s] to a position in the figure.
     """
     shape, colour = MODE
     marks = []
@@ -351,26 +350,27 @@ def mode_marks(samples: LoopSamples, places: Places) -> list[Mark]:
         frequency = mode_frequency(mode)
         if not np.isfinite(frequency):
             continue
-        value = _value(mode) if samples.margins.stable else ""
+        value = _margin_text(mode) if samples.margins.stable else ""
         words = ", ".join(label for label in (mode.name, value) if label)
-        entry = f"{mode.name} at {_at(frequency)}: {_words(mode, value)}"
-        marks.append(Mark(*places(frequency), words, shape, entry, colour))
+        at = _frequency_text(frequency)
+        entry = f"{mode.name} at {at}: {_stabilisation_text(mode, value)}"
+        marks.append(Mark(*position(frequency), words, shape, name=entry, colour=colour))
     return marks
 
 
-def _at(frequency: float) -> str:
+def _frequency_text(frequency: float) -> str:
     """Return a frequency [rad/s] as text."""
     return text(significant("", frequency, unit="rad/s"))
 
 
-def _value(mode: ModeBand) -> str:
+def _margin_text(mode: ModeBand) -> str:
     """Return the margin of a gain- or phase-stabilised mode as text; empty for others."""
     margins = {BY_GAIN: (mode.gain_margin_dB, "dB"), BY_PHASE: (mode.phase_margin_deg, "deg")}
     value = margins.get(mode.stabilised)
     return "" if value is None else text(margin("", *value))
 
 
-def _words(mode: ModeBand, value: str) -> str:
+def _stabilisation_text(mode: ModeBand, value: str) -> str:
     """Return the kind of stabilisation of a mode, and its margin as text, for the legend.
 
     `value`: the margin; empty if the loop has none.

@@ -72,8 +72,9 @@ def sweep_chart(sweep: Sweep, name: str = "") -> ControlPlot:
         for mode, colour in zip(sweep.mode_names, cycle(_COLOURS), strict=False)
     }
     for limit in sweep.criteria.limits:
-        panel = MARGINS.get(limit.margin, (limit.name,))[0]
-        worst, unit = limit.shown
+        # the label of a margin of the loop, or of the criterion for a margin of modes
+        panel, *_ = MARGINS.get(limit.margin, (limit.name,))
+        worst, unit = limit.shown  # the limit, and its unit in tables
         factor = unit_factor(unit)
         ordinates[panel] = f"margin [{unit}]" if unit else "margin"
         unit = unit or "-"
@@ -132,8 +133,8 @@ def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
         For fewer than two different limits.
     """
     checked = each("flown_margins", flown_margins, FlownMargins, "see flown_margins")
-    ordered = sorted(checked, key=lambda m: m.spare)
-    spare = np.array([m.spare for m in ordered])
+    ordered = sorted(checked, key=lambda margins: margins.spare)
+    spare = np.array([margins.spare for margins in ordered])  # limit over the boundary of the law
     columns, styles = [], {}
     for name, colour, line in zip(CHANGES, (*COLOURS[:4], INK), (*LINES[:4], "-"), strict=True):
         margins = [getattr(m, name) for m in ordered]

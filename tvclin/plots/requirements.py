@@ -48,7 +48,10 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     if sizing.times.size < 2:
         raise InputError("a figure over the flight needs two or more flight times; got 1")
     order = np.argsort(sizing.times)
-    rows = {heading_of(r.label): np.degrees(sizing.at_times(r))[order] for r in sizing.required}
+    rows = {
+        heading_of(requirement.label): np.degrees(sizing.at_times(requirement))[order]
+        for requirement in sizing.required
+    }
     columns = [Column(label, row, "deg") for label, row in rows.items() if np.isfinite(row).any()]
     styles = _styles(sizing)
     if limit is not None:
@@ -174,13 +177,12 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
     words = f"{plural(len(availability.soundings), 'sounding')} of {station}, {planes}"
     curves = Curves("availability", words, "deflection limit [deg]", np.degrees(limits), columns)
     title = called(availability.judge.flight.vehicle.name or name, f"launch availability: {words}")
-    heading = "flown, towards" if multiple else ""
     look = Look(
         title,
         "soundings that fly [%]",
         _availability_styles(list(values)),
-        heading,
-        {"": (0.0, 102.0)},
+        legend="flown, towards" if multiple else "",
+        limits={"": (0.0, 102.0)},
     )
     plot = draw(curves, look)
     axes = plot.axes[0, 0]

@@ -92,6 +92,7 @@ def response_curves(
             errors.single(what, history.batch)
     if isinstance(response, Responses):
         rows = dict(zip(response.labels, response.outputs, strict=True))
+    # by the name of its class: python-control takes a second to import
     elif "TimeResponseData" not in [base.__name__ for base in type(response).__mro__]:
         raise errors.InputError(
             f"response must be Responses or control.TimeResponseData; got {errors.shown(response)}"
@@ -196,7 +197,7 @@ def flight_curves(
     reference = errors.one_of("reference", reference, ("linear", "rigid"))
     columns = [
         Column(label, np.degrees(rows[row]), "deg", panel)
-        for panel, row in _FLOWN.items()
+        for panel, row in _FLOWN.items()  # a row of the outputs of a flight for each panel
         for label, rows in (("flown", flight.flown), (reference, flight.linear))
     ]
     columns += _limit_columns(np.degrees(flight.flown[_FLOWN["deflection"]]), limit)
@@ -310,7 +311,7 @@ def attitude_chart(
     if flights is not None:
         what += "; flown with the same deflection limits in pitch, tail wind of 1 deg (assumed)"
     curves = Curves(name, what, "time t/tau [-]", x, tuple(columns))
-    middle = int(np.argmin(np.abs(np.array(factors) - 1.0)))
+    middle = int(np.argmin(np.abs(np.array(factors) - 1.0)))  # the curve nearest the boundary
     limits = {panel: _frame(group[middle].values) for panel, group in curves.panels.items()}
     styles = _styles(factors, x.size)
     return draw(curves, Look(title, _ORDINATE, styles, "deflection limit", limits=limits))
@@ -483,6 +484,7 @@ def _attitudes(
         return columns
     for factor, limit in zip(factors, limits, strict=True):
         row = flights(wind, abs(limit), dead_band, x * duration) / -PEAK
+        # with trim alone the attitude hardly moves
         note = _NEVER if np.nanmax(np.abs(row)) < _STILL else ""
         columns.append(Column(_name(factor, flown=True), row, panel=panel, note=note))
     return columns

@@ -132,7 +132,7 @@ def _mark_poles(
     mark = {"marker": cycle(MARKS)[row], "ms": 8 - row, "mfc": "none", "mew": 1.6}
     lines = axes.plot(poles.real, poles.imag, ls="", color=colour, label=model, **mark)
     smallest, largest = named
-    inside = (size > smallest) & (size <= largest) & (poles.imag >= 0.0)
+    inside = (size > smallest) & (size <= largest) & (poles.imag >= 0.0)  # one of each pair
     lift = 12 + 14 * (row if smallest >= 0.0 else row % 2)  # the panel of the origin has less room
     for pole, residue in zip(poles[inside], strength[inside], strict=True):
         _write_residue(axes, pole, residue, lift, colour)
@@ -160,16 +160,17 @@ def _write_residue(axes: Axes, pole: complex, residue: complex, lift: int, colou
     )
 
 
-_STEP, _APART, _ROUNDS, _PARTS = 0.015, 0.5, 5, 4
-"""The largest step of a pole, over its size and over its distance from the next one; how often,
-and into how many parts, a step is divided."""
-_NO_STEP = 0.02 * _STEP
+_STEP_OVER_SIZE, _STEP_OVER_DISTANCE = 0.015, 0.5
+"""Largest step of a pole, over its size and over its distance from the nearest other one."""
+_REFINEMENTS, _PARTS = 5, 4
+"""Number of refinements of the factors, and of the parts into which each divides a long step."""
+_MIN_STEP = 0.02 * _STEP_OVER_SIZE
 """A step of a pole below this is not divided, over the smallest size of interest."""
 _FAR = 0.2
 """The sample rate over the farthest pole of a sampled loop, which z = 0 would put at infinity."""
 _HALVINGS = 60
 """Bisections for the gain at which two real poles meet: more than a float has bits."""
-_BESIDE = np.linspace(0.0, 1.0, 9)[1:-1] ** 2
+_MEETING_FRACTIONS = np.linspace(0.0, 1.0, 9)[1:-1] ** 2
 """Where poles meet they move with the root of the gain: parts of the step to the next gain."""
 
 
@@ -201,7 +202,7 @@ class LocusPoles:
         A, B, C, D = form.A[k], form.B[k, :, np.newaxis], form.C[k, np.newaxis], form.direct[0]
         zeros = form.zeros()[0].astype(complex)
         zeros = zeros[~np.isnan(zeros)]
-        if isinstance(loop, SampledLoop):  # in the w plane, where a command passes at once
+        if isinstance(loop, SampledLoop):  # matrices of w, the bilinear image of z
             to_s = partial(_in_s_plane, half=0.5 * float(loop.period))
             return cls._of_system((A, B, C, np.reshape(D, (1, 1))), zeros, to_s)
         pade = pade_delay(float(loop.delay), order)
@@ -225,7 +226,7 @@ class LocusPoles:
             powers = delay ** np.arange(order, -1.0, -1.0)  # from a delay of one second to this one
             top, bottom = (powers * p / p[-1] for p in control.pade(1.0, order))
             above, below = polynomials.multiply(above, top), polynomials.multiply(below, bottom)
-        padded = np.pad(above, (below.size - above.size, 0))
+        padded = np.pad(above, (below.size - above.size, 0))  # as long as the denominator
 
         def closed(factors: FloatArray) -> AnyArray:
             """Return closed-loop poles [1/s] at factors ``(n,)`` on the loop gain, ``(n, b)``."""
@@ -259,18 +260,20 @@ class LocusPoles:
         `factors`: initial factors, rising. `min_size`: size of a pole [1/s] below which its step is
         relative to `min_size`. `max_size`: size of a pole [1/s] above which steps may be larger.
         """
-        for _ in range(_ROUNDS):
+        for _ in range(_REFINEMENTS):
             poles = self.closed(factors)
+            # step of each pole: to the nearest pole at the factor before
             steps = np.abs(poles[1:, :, np.newaxis] - poles[:-1, np.newaxis, :]).min(axis=-1)
             sizes = np.abs(poles[1:])
             max_step = np.minimum(
-                _STEP * np.maximum(sizes, min_size), _APART * _pole_distances(poles[1:])
+                _STEP_OVER_SIZE * np.maximum(sizes, min_size),
+                _STEP_OVER_DISTANCE * _pole_distances(poles[1:]),
             )
-            coarse = (steps > np.maximum(max_step, _NO_STEP * min_size)) & (sizes < 2.0 * max_size)
-            coarse_steps = np.flatnonzero(np.any(coarse, axis=-1))
-            between = np.linspace(factors[coarse_steps], factors[coarse_steps + 1], _PARTS + 1)
+            long = (steps > np.maximum(max_step, _MIN_STEP * min_size)) & (sizes < 2.0 * max_size)
+            intervals = np.flatnonzero(np.any(long, axis=-1))
+            between = np.linspace(factors[intervals], factors[intervals + 1], _PARTS + 1)
             factors = np.unique(np.concatenate([factors, between.ravel()]))
-        for _ in range(2):
+        for _ in range(2):  # the second time between factors that the first has added
             factors = self._with_meetings(factors)
         return factors
 
@@ -278,9 +281,10 @@ class LocusPoles:
         """Return rising factors on the loop gain, ``(n,)``, and further ones where real poles meet.
 
         `factors`: those without the further ones. Between two factors with different numbers of
-        real poles the meeting is found by bisection; `_BESIDE` are fractions of the step beside it.
+        real poles the meeting is found by bisection. Near it poles move with the root of the
+        factor, so that the fractions of the step on both sides, `_MEETING_FRACTIONS`, are squares.
         """
-        count = self._real(factors)
+        count = self._count_real(factors)
         intervals = np.flatnonzero(count[1:] != count[:-1])
         low, high, before = factors[intervals], factors[intervals + 1], count[intervals]
         ends = low, high
@@ -288,13 +292,15 @@ class LocusPoles:
             return factors
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            same = self._real(middle) == before
+            same = self._count_real(middle) == before
             low, high = np.where(same, middle, low), np.where(same, high, middle)
-        close = [low[:, np.newaxis] + (end - low)[:, np.newaxis] * _BESIDE for end in ends]
+        close = [
+            low[:, np.newaxis] + (end - low)[:, np.newaxis] * _MEETING_FRACTIONS for end in ends
+        ]
         return np.unique(np.concatenate([factors, low, *(row.ravel() for row in close)]))
 
-    def _real(self, factors: FloatArray) -> IndexArray:
-        """Return the number of real poles at each factor."""
+    def _count_real(self, factors: FloatArray) -> IndexArray:
+        """Return the number of real closed-loop poles at each factor on the loop gain, ``(n,)``."""
         return np.sum(np.imag(self.closed(factors)) == 0.0, axis=-1)
 
     def branches(self, factors: FloatArray) -> AnyArray:
@@ -307,7 +313,8 @@ class LocusPoles:
         poles = self.closed(factors)
         for k in range(1, len(poles)):
             distances = np.abs(poles[k - 1][:, np.newaxis] - poles[k])
-            poles[k] = poles[k][linear_sum_assignment(distances**2)[1]]
+            _, order = linear_sum_assignment(distances**2)
+            poles[k] = poles[k][order]
         return poles
 
 
@@ -370,48 +377,46 @@ def root_locus_chart(
     radii = _radii(samples, poles)
     factors = _default_factors(locus, samples, radii) if gains is None else _checked_factors(gains)
     branches = locus.branches(factors)
+    # panels of the whole locus, of the origin if it has a radius, and of the modes if there are any
     count = len(radii) + bool(samples.modes)
     rows: Any = [[0, 0]] if count == 1 else [[0, 1], [2, 2]][: count - 1]
     size = (8.6, 7.4) if count == 1 else (10.4, 6.4 * len(rows))
     figure, placed = plt.subplot_mosaic(rows, figsize=size, layout="constrained")
-    panels = np.array([[placed[k] for k in range(count)]])
+    panels = [placed[k] for k in range(count)]
     # the branches end that do not end at a zero or out of the frame
     ends = branches[-1][np.abs(branches[-1]) < radii[0]]
     ended = f"end of the locus (factor {factors[-1]:.3g})"
     marks = [
         *named_once(map(_pole_mark, poles[np.argsort(-poles.imag)])),
         *_axis_marks(samples),
-        *named_once(Mark(end.real, end.imag, "", "|", ended, INK) for end in ends),
+        *named_once(Mark(end.real, end.imag, shape="|", name=ended) for end in ends),
     ]
     lines: list[Any] = []
-    for axes in panels[0]:
+    for axes in panels:
         lines += _draw_locus(axes, locus, _within(branches, samples.loop))
-    for axes, radius in zip(panels[0], radii, strict=False):
+    for axes, radius in zip(panels, radii, strict=False):
         _frame_round(axes, radius, locus.poles)
+    shown = [marks]  # the marks of each panel
     if len(radii) > 1:
-        panels[0, 0].set_title("the whole locus", fontsize="medium")
-        panels[0, 1].set_title("near the origin", fontsize="medium")
-    nearest = panels[0, len(radii) - 1]
-    shown = [[numbered(mark, not mark.inside(nearest)) for mark in marks], marks][-len(radii) :]
+        panels[0].set_title("the whole locus", fontsize="medium")
+        panels[1].set_title("near the origin", fontsize="medium")
+        # the whole locus has the numbers outside the other panel alone, and none beside modes
+        far = (not samples.modes and not mark.inside(panels[1]) for mark in marks)
+        shown.insert(0, [numbered(mark, number) for mark, number in zip(marks, far, strict=True)])
     if samples.modes:
-        _frame_modes(panels[0, -1], samples)
-        plain = [numbered(mark, False) for mark in marks]
-        shown[0] = plain if len(radii) > 1 else marks
-        poles_of_modes = ((complex(mode.pole), mode.name) for mode in samples.modes)
-        begun = "modes in the vehicle (factor 0)"
-        named = (
-            Mark(p.real, p.imag, mode_name, MODE[0], begun, MODE[1])
-            for p, mode_name in poles_of_modes
-        )
-        shown.append([*plain, *named_once(named)])
-    for axes, drawn in zip(panels[0], shown, strict=True):
+        _frame_modes(panels[-1], samples)
+        shape, colour = MODE
+        begun: Any = {"shape": shape, "name": "modes in the vehicle (factor 0)", "colour": colour}
+        named = [Mark(mode.pole.real, mode.pole.imag, mode.name, **begun) for mode in samples.modes]
+        shown.append([*(numbered(mark, False) for mark in marks), *named_once(named)])
+    for axes, drawn in zip(panels, shown, strict=True):
         lines += draw_marks(axes, drawn)
     name = "Root locus of the loop gain"
     name += ", s = ln(z)/h" if isinstance(samples.loop, SampledLoop) else ""
     figure.suptitle(title(name, samples))
-    handles, labels = panels[0, -1].get_legend_handles_labels()
+    handles, labels = panels[-1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
-    write_numbers(*zip(panels[0], shown, strict=True))
+    write_numbers(*zip(panels, shown, strict=True))
     return control_plot(lines, panels, _locus_curves(factors, branches, samples))
 
 
@@ -447,13 +452,13 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
     loop with its margins. `radii`: radii of the panels [1/s], in which the branches are to be
     smooth. The last factor is twice that change, from 3 to 1e4; without a change it is 10.
     """
-    crossings = samples.margins.crossings.gain_factors
+    crossings = samples.margins.crossings.gain_factors  # with which poles cross the imaginary axis
     crossings = np.sort(crossings[np.isfinite(crossings) & (crossings > 0.0)])
     above = crossings[crossings > 1.0][: 1 if samples.margins.stable else 2]
     top = float(np.clip(2.0 * above.max(initial=5.0), 3.0, 1e4))
-    steps = np.concatenate([np.geomspace(1e-6 * top, top, 400), np.linspace(0.0, top, 200)])
-    steps = np.unique(np.concatenate([steps, [1.0], crossings[crossings < top]]))
-    return locus.refined(steps, radii[-1], radii[0])
+    factors = np.concatenate([np.geomspace(1e-6 * top, top, 400), np.linspace(0.0, top, 200)])
+    factors = np.unique(np.concatenate([factors, [1.0], crossings[crossings < top]]))
+    return locus.refined(factors, min_size=radii[-1], max_size=radii[0])
 
 
 def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
@@ -480,7 +485,8 @@ def _pole_mark(pole: complex) -> Mark:
     """Return the mark of a closed-loop pole, with a number for one of each pair."""
     text = f"{pole.real:.3g}" if pole.imag == 0.0 else f"{pole.real:.3g} ± {pole.imag:.3g}j"
     text = text if pole.imag >= 0.0 else ""
-    return Mark(pole.real, pole.imag, text, "D", "closed-loop poles (factor 1)", COLOURS[1])
+    name = "closed-loop poles (factor 1)"
+    return Mark(pole.real, pole.imag, text, shape="D", name=name, colour=COLOURS[1])
 
 
 def _axis_marks(samples: LoopSamples) -> list[Mark]:
@@ -490,8 +496,8 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
     an aero margin is by how much the gain may fall. A mark has its mirror image below.
     """
     marks = margin_marks(samples, lambda omega: (0.0, omega))[:2]  # without the phase margin
-    m = samples.margins
-    factors = (1.0 / m.aero_margin if m.aero_margin else np.inf, m.gain_increase)
+    aero_margin, gain_increase = samples.margins.aero_margin, samples.margins.gain_increase
+    factors = (1.0 / aero_margin if aero_margin else np.inf, gain_increase)
     axis_marks = []
     for mark, factor in zip(marks, factors, strict=False):
         axis_marks.append(replace(mark, text=f"factor {factor:.3g}" if mark.text else ""))

@@ -123,6 +123,7 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
         axes[0].figure.suptitle(pretty(literal(broken(look.title))))
     else:
         axes[0].set_title(pretty(literal(broken(look.title, _NARROW))))
+    # one entry of the legend for each label, in the order of their first lines
     first = {line.get_label(): line for line in reversed(lines)}
     handles = [first[label] for label in dict.fromkeys(line.get_label() for line in lines)]
     axes[0].figure.legend(handles=handles, title=pretty(look.legend), loc="outside right center")
@@ -208,7 +209,7 @@ def new_panels(count: int, across: int) -> tuple[tuple[int, int], Any]:
 
     columns = min(count, across)
     rows = -(-count // columns)
-    width, height = 3.0 + 4.4 * columns, 0.6 + 3.9 * rows
+    width, height = 3.0 + 4.4 * columns, 0.6 + 3.9 * rows  # [inch]
     if columns == 1:
         width, height = 8.6, 5.6 if rows == 1 else 0.8 + 2.7 * rows
     _, axes = plt.subplots(
@@ -411,7 +412,7 @@ def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
     lines: list[Any] = []
     for mark in marks:
         style: dict[str, Any] = {"mfc": "white", "mec": mark.colour, "mew": 1.8, "zorder": 6}
-        label = mark.name or "_mark"
+        label = mark.name or "_mark"  # matplotlib omits labels with _ from the legend
         lines += axes.plot(
             mark.x, mark.y, mark.shape, ls="", ms=_MARK_SIZE, label=label, clip_on=False, **style
         )
@@ -436,21 +437,16 @@ def place_numbers(*panels: "Axes") -> None:
     """Place the numbers in the panels of a figure by their cost: overlaps and distance."""
     from matplotlib.text import Annotation
 
-    _lay_out(panels)
+    figure: Any = panels[0].figure
+    figure.get_layout_engine().execute(figure)  # the layout of all panels, without drawing them
+    for axes in panels:
+        axes.apply_aspect()
     for axes in panels:
         points, curves = _points(axes), list(_outlines(axes))
-        obstacles = _Obstacles(axes.get_window_extent(), curves, points, [])
+        obstacles = _Obstacles(axes.get_window_extent(), curves, points, labels=[])
         for note in axes.texts:
             if isinstance(note, Annotation) and note.arrow_patch is not None:
                 obstacles.labels.append(_put(note, axes.transData.transform(note.xy), obstacles))
-
-
-def _lay_out(panels: "Sequence[Axes]") -> None:
-    """Compute the layout of the `panels` of one figure, all of them, without drawing them."""
-    figure: Any = panels[0].figure
-    figure.get_layout_engine().execute(figure)
-    for axes in panels:
-        axes.apply_aspect()
 
 
 @dataclass(frozen=True, eq=False)
@@ -498,7 +494,9 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
     candidates: list[Any] = []
     for distance in _DISTANCES:
         for direction in np.array(_DIRECTIONS):
+            # in points; diagonals go a little farther than straight offsets
             offset = distance * direction / np.hypot(*direction) ** 0.5
+            # lower left, in pixels: the text begins, is centred or ends at the offset
             corner = point + offset * scale + size * (direction - 1) / 2.0
             box = Bbox.from_bounds(*(corner - _BOX_MARGIN), *(size + 2.0 * _BOX_MARGIN))
             cost = _cost(box, point, obstacles) + _DISTANCE_COST * distance
@@ -507,7 +505,7 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
             break
     _, _, offset, (x_sign, y_sign), box = min(candidates, key=lambda candidate: candidate[:2])
     note.set_position(tuple(offset))
-    # by sign 0, 1 and -1: the text is centred, begins or ends at the place
+    # items by sign: 0, 1 and, as the last item, -1
     note.set_horizontalalignment(("center", "left", "right")[int(x_sign)])
     note.set_verticalalignment(("center", "bottom", "top")[int(y_sign)])
     return box

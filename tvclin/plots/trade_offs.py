@@ -150,7 +150,7 @@ def load_chart(
         Title of the figure.
     """
     curves = load_curves(trade_off, flown)
-    styles = _LOADS | dict(zip([load.law for load in flown], _FLOWN, strict=False))
+    styles = _LOADS | dict(zip([flight.law for flight in flown], _FLOWN, strict=False))
     plot = draw(curves, Look(title, "deflection [deg]", styles))
     axes = plot.axes.flat[0]
     axes.set_xlim(0.0, 1.03 * float(curves.abscissa.max()))
@@ -256,7 +256,9 @@ def laws_chart(
     trim = abs(float(plant.coefficients.B) * peak)
     rows = {
         "required, K = 1": [required_deflection(plant.rigid, w).limit for w in winds],
-        "required, K = 0.5": [required_deflection(plant.rigid, w, 0.5).limit for w in winds],
+        "required, K = 0.5": [
+            required_deflection(plant.rigid, w, dead_band=0.5).limit for w in winds
+        ],
         NO_FORECAST: [forecast_free_limit(plant.rigid, w).limit for w in winds],
         WIND_KNOWN: [optimum_deflection(plant.rigid, w).peak / trim for w in winds],
     }
@@ -297,6 +299,12 @@ def _smooth(line: Line2D) -> None:
 
 TRIMS, MEANS = "trim, over time", "mean of the trim to come"
 HELD, STOP = "held from the dead band on", "the stop at the least limit"
+_PLANES: dict[str, Style] = {
+    STOP: {"color": WARM, "ls": "-", "lw": 1.4},
+    TRIMS: {"color": INK, "ls": "--", "lw": 1.4},
+    MEANS: {"color": COLOURS[0], "ls": "-", "lw": 1.8},
+    HELD: {"color": COLOURS[1], "ls": "-", "lw": 1.8, "marker": "o", "ms": 5.0},
+}
 _TIMES, _SIDES = 240, 360
 """Number of times of the wind, and of sides of the polygon that is drawn for the limit shape."""
 _FRAME_MARGIN = 0.06
@@ -331,7 +339,7 @@ def plane_chart(
     for name, plane_plant in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
         errors.single(name, plane_plant.batch)
     dead_band = errors.number("dead_band", dead_band, errors.between(0.0, 1.0))
-    limit = plane_limit(plant, wind, shape, dead_band, "literal", yaw_plant)
+    limit = plane_limit(plant, wind, shape, dead_band, switch="literal", yaw_plant=yaw_plant)
     pair = PlanePair((plant, yaw_plant or plant), wind)
     knots = np.union1d(wind.pitch.knots, wind.yaw.knots)
     ends = float(wind.onset), float(wind.end)
@@ -359,12 +367,9 @@ def plane_chart(
     )
     curves = Curves("planes", words, "deflection in pitch [deg]", points.real, tuple(columns))
     title = called(plant.coefficients.name, f"Deflection that a wind needs in both planes\n{words}")
-    look = Look(title, "deflection in yaw [deg]", _styles())
-    plot = draw(curves, look)
-    axes, half_width = (
-        plot.axes[0, 0],
-        (1.0 + _FRAME_MARGIN) * np.abs([points.real, points.imag]).max(),
-    )
+    plot = draw(curves, Look(title, "deflection in yaw [deg]", _PLANES))
+    axes = plot.axes[0, 0]
+    half_width = (1.0 + _FRAME_MARGIN) * np.abs([points.real, points.imag]).max()
     axes.set(xlim=(-half_width, half_width), ylim=(-half_width, half_width))
     axes.set_aspect("equal")
     return plot
@@ -382,14 +387,5 @@ def study_planes_chart(study: Study) -> ControlPlot:
     if study.slanting is None or study.planes is None:
         raise errors.InputError("study must be of a wind with a direction: give it a heading")
     pitch, yaw = (Plant.from_vehicle(study.vehicle, study.model, plane) for plane in PLANES)
-    return plane_chart(pitch, study.planes.wind, study.planes.limit_shape, study.dead_band, yaw)
-
-
-def _styles() -> dict[str, Style]:
-    """Return the line styles of trim, its mean, the constant deflection and the limit shape."""
-    return {
-        STOP: {"color": WARM, "ls": "-", "lw": 1.4},
-        TRIMS: {"color": INK, "ls": "--", "lw": 1.4},
-        MEANS: {"color": COLOURS[0], "ls": "-", "lw": 1.8},
-        HELD: {"color": COLOURS[1], "ls": "-", "lw": 1.8, "marker": "o", "ms": 5.0},
-    }
+    wind, limit_shape = study.planes.wind, study.planes.limit_shape
+    return plane_chart(pitch, wind, limit_shape, study.dead_band, yaw_plant=yaw)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,14 +50,12 @@ def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
     tau_beta : float
         Duration of the wind in units of 1/beta; it decides the height of the control.
     """
-    wind, tau_beta = (
-        RectangularWind(peak=1.0, duration=1.0),
-        errors.number("tau_beta", tau_beta, errors.positive),
-    )
+    wind = RectangularWind(peak=1.0, duration=1.0)
+    tau_beta = errors.number("tau_beta", tau_beta, errors.positive)
     title = (
         f"Sketch (a). Rectangular wind and control on the boundary\neq (7), tau*beta = {tau_beta:g}"
     )
-    return _wind_and_control("sketch-a", title, wind, tau_beta, 0.0)
+    return _wind_and_control("sketch-a", title, wind, tau_beta, dead_band=0.0)
 
 
 def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
@@ -69,10 +68,8 @@ def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
     dead_band : float
         K, in [0, 1].
     """
-    wind, tau_beta = (
-        TriangularWind(peak=1.0, duration=1.0),
-        errors.number("tau_beta", tau_beta, errors.positive),
-    )
+    wind = TriangularWind(peak=1.0, duration=1.0)
+    tau_beta = errors.number("tau_beta", tau_beta, errors.positive)
     dead_band = errors.number("dead_band", dead_band, errors.between(0.0, 1.0))
     title = (
         "Sketch (b). Triangular wind and control on the boundary\n"
@@ -87,7 +84,8 @@ def sketch_c(
     """Draw sketch (c): the solution x of eq (C6) against y.
 
     x = exp(-beta2 t_s), with the time t_s at which the control of least peak changes its sign; y =
-    beta1 D1/(beta2 D2), of two unstable poles with the demands D1 and D2 of the wind.
+    beta1 D1/(beta2 D2), of unstable poles beta_i, with D_i the integral that the control must have,
+    weighted by exp(-beta_i t).
 
     Parameters
     ----------
@@ -170,15 +168,8 @@ def _wind_and_control(
         across=1,
     )
     plot = draw(curves, look)
-    _mark_levels(plot.axes[1, 0], boundary.limit, float(boundary.switch_time), dead_band)
-    return plot
-
-
-def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> None:
-    """Mark limit, dead band and switching time in the axes of a sketch.
-
-    `limit`: limit over trim. `switch`: exit of the dead band over the duration. `dead_band`: K.
-    """
+    # limit, dead band and its exit are marked in the lower panel, of the control
+    axes, limit, switch = plot.axes[1, 0], boundary.limit, float(boundary.switch_time)
     arrow = {"arrowstyle": "->", "color": INK, "lw": 0.9}
     axes.annotate(
         rf"$y_{{BR}} = {limit:.4f}$",
@@ -194,6 +185,7 @@ def _mark_levels(axes: Any, limit: float, switch: float, dead_band: float) -> No
             (switch + 0.12, 0.08),
             arrowprops=arrow,
         )
+    return plot
 
 
 def _times_with_jumps(*histories: History) -> FloatArray:
@@ -238,7 +230,7 @@ class _Line:
     points: FloatArray  # (41, 2)
     style: Style
     text: str = ""
-    text_position: float = 1.0  # where on the line the text stands, 0 to 1
+    fraction: float = 1.0  # where on the line the text stands, 0 to 1
     shift: tuple[float, float] = (0.0, 0.0)
     arrow: str = ""  # as matplotlib's arrowstyle
 
@@ -267,7 +259,9 @@ def figure_1(
     angles = np.radians(
         [errors.number(*item, errors.between(-360.0, 360.0), "deg") for item in angles_deg.items()]
     )
-    drawn = _body(*angles) | _forces(*angles) | _speeds(*angles) | _arcs(*angles) | _arms(*angles)
+    attitude, path, wind, deflection = angles
+    drawn = _body(attitude, deflection) | _forces(attitude, deflection) | _speeds(path, wind)
+    drawn |= _arcs(*angles) | _arms(attitude)
     columns = tuple(
         Column(f"{name} {axis}", line.points[:, i])
         for name, line in drawn.items()
@@ -305,39 +299,28 @@ def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
         start = 0 if line.arrow == "<|-|>" else -3  # heads at both ends, or along the last points
         axes.annotate("", (x[-1], y[-1]), (x[start], y[start]), arrowprops=head)
     if line.text:
-        i = round(line.text_position * (x.size - 1))
-        text_position = (x[i] + line.shift[0], y[i] + line.shift[1])
-        axes.text(
-            *text_position,
-            line.text,
-            color=line.style["color"],
-            fontsize=12,
-            ha="center",
-            va="center",
-        )
+        i = round(line.fraction * (x.size - 1))
+        right, up = line.shift
+        style: Style = {"color": line.style["color"], "fontsize": 12, "ha": "center"}
+        axes.text(x[i] + right, y[i] + up, line.text, va="center", **style)
 
 
-def _body(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of vehicle, axis, nozzle and horizontal by name.
-
-    `attitude`, `path`: attitude and flight path angle [rad]. `wind`: wind angle of attack [rad].
-    `deflection`: deflection [rad]. Flight path and wind are not used: all groups of lines take the
-    same angles.
-    """
+def _body(attitude: float, deflection: float) -> dict[str, _Line]:
+    """Return the lines of vehicle, axis, nozzle and horizontal by name, at two angles [rad]."""
     u, n = _axes_of(attitude)
     # along the axis, and the side; the nose begins at 4.6
     corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
     outline = [a * u + sign * _RADIUS * n for a, sign in corners]
     aft, across = _axes_of(attitude + deflection)
     gimbal = _TAIL * u
-    nozzle = [gimbal + s * w * across - d * aft for s, w, d in _NOZZLE]
-    reach = np.array([9.6, 0.0])
+    nozzle = [gimbal + side * width * across - back * aft for side, width, back in _NOZZLE]
+    right = np.array([9.6, 0.0])  # end of the local horizontal
     return {
         "body": _Line(_polyline(outline, _ALONG.size), _BODY),
         "nozzle": _Line(_polyline(nozzle, _ALONG.size), _BODY),
         "axis": _Line(_straight((_TAIL - 4.4) * u, (_NOSE + 2.9) * u), _THIN),
         "local horizontal": _Line(
-            _straight(0.0 * reach, reach), _THIN, "local horizontal", 0.8, (0.0, -0.35)
+            _straight(0.0 * right, right), _THIN, "local horizontal", 0.8, shift=(0.0, -0.35)
         ),
     }
 
@@ -346,99 +329,79 @@ _NOZZLE = ((-1, 0.2, 0.0), (-1, 0.5, 1.1), (1, 0.5, 1.1), (1, 0.2, 0.0), (-1, 0.
 """Corners of the nozzle: side, half width, and distance behind the gimbal."""
 
 
-def _forces(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of the forces by name.
+def _forces(attitude: float, deflection: float) -> dict[str, _Line]:
+    """Return the arrows of the forces by name, at attitude and deflection [rad], not to scale.
 
-    `attitude`, `path`, `wind`, `deflection`: angles [rad] at which the vehicle is drawn, see
-    `_body`, of which attitude and deflection count. Arrows have the length of the drawing alone.
+    A text stands at a fraction of its arrow, and is shifted from there.
     """
     u, n = _axes_of(attitude)
-    along = _axes_of(attitude + deflection)[0]
-    gimbal, centre, nose = _TAIL * u, _ARM_A * u, _NOSE * u
+    along, _ = _axes_of(attitude + deflection)
+    gimbal, pressure, nose = _TAIL * u, _ARM_A * u, _NOSE * u
+    thrust = _straight(gimbal - 4.4 * along, gimbal - 1.1 * along)
+    normal, axial = _straight(pressure, pressure + 3.2 * n), _straight(nose + 2.6 * u, nose)
+    weight = _straight(0.0 * u, np.array([0.0, -3.4]))
+    arrow = partial(_Line, style=_FORCE, arrow="-|>")
     return {
-        "thrust": _Line(
-            _straight(gimbal - 4.4 * along, gimbal - 1.1 * along),
-            _FORCE,
-            "thrust $T$ [N]",
-            0.3,
-            (1.5, 0.0),
-            "-|>",
-        ),
-        "normal force": _Line(
-            _straight(centre, centre + 3.2 * n), _FORCE, r"$N\alpha$ [N]", 1.0, (-0.2, 0.5), "-|>"
-        ),
-        "axial force": _Line(
-            _straight(nose + 2.6 * u, nose), _FORCE, "$F_A$ [N]", 0.4, (-0.9, 0.2), "-|>"
-        ),
-        "weight": _Line(
-            _straight(0.0 * u, np.array([0.0, -3.4])), _FORCE, "$W$ [N]", 1.0, (0.95, 0.15), "-|>"
-        ),
+        "thrust": arrow(thrust, text="thrust $T$ [N]", fraction=0.3, shift=(1.5, 0.0)),
+        "normal force": arrow(normal, text=r"$N\alpha$ [N]", fraction=1.0, shift=(-0.2, 0.5)),
+        "axial force": arrow(axial, text="$F_A$ [N]", fraction=0.4, shift=(-0.9, 0.2)),
+        "weight": arrow(weight, text="$W$ [N]", fraction=1.0, shift=(0.95, 0.15)),
     }
 
 
-def _speeds(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of flight speed, wind and air speed by name.
+def _speeds(path: float, wind: float) -> dict[str, _Line]:
+    """Return the arrows of flight speed, wind and air speed by name.
 
-    `attitude`, `path`, `wind`, `deflection`: angles [rad], of which flight path and wind count.
+    `path`, `wind`: flight path angle, and wind angle of attack [rad]. A text stands at a fraction
+    of its arrow, and is shifted from there.
     """
-    speed = _SPEED * _axes_of(path)[0]
-    relative = speed[1] / np.sin(path + wind) * _axes_of(path + wind)[0]
-    origin = np.zeros(2)
+    along, _ = _axes_of(path)
+    into_wind, _ = _axes_of(path + wind)
+    origin, speed = np.zeros(2), _SPEED * along
+    relative = speed[1] / into_wind[1] * into_wind  # to the same height: the wind is horizontal
+    arrow = partial(_Line, style=_SPEEDS, arrow="-|>")
+    to_speed, to_relative = _straight(origin, speed), _straight(origin, relative)
+    between = _straight(relative, speed)
     return {
-        "velocity": _Line(
-            _straight(origin, speed), _SPEEDS, "velocity $V$ [m/s]", 0.85, (1.3, -0.5), "-|>"
-        ),
-        "relative velocity": _Line(
-            _straight(origin, relative), _SPEEDS, "$V_R$ [m/s]", 1.0, (-1.15, 0.05), "-|>"
-        ),
-        "wind": _Line(
-            _straight(relative, speed), _SPEEDS, "wind $V_w$ [m/s]", 0.5, (0.2, 0.4), "-|>"
-        ),
+        "velocity": arrow(to_speed, text="velocity $V$ [m/s]", fraction=0.85, shift=(1.3, -0.5)),
+        "relative velocity": arrow(to_relative, text="$V_R$ [m/s]", shift=(-1.15, 0.05)),
+        "wind": arrow(between, text="wind $V_w$ [m/s]", fraction=0.5, shift=(0.2, 0.4)),
     }
 
 
 def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the arcs of the angles by name.
+    """Return the arcs of the angles by name, with arrowheads.
 
-    `attitude`, `path`, `wind`, `deflection`: the angles [rad], see `_body`.
+    `attitude`, `path`, `wind`, `deflection`: the angles [rad], of which `path` is the flight path
+    angle. A text stands at a fraction of its arc, and is shifted from there.
     """
-    u = _axes_of(attitude)[0]
+    u, _ = _axes_of(attitude)
     into_wind, back = path + wind, attitude + np.pi
+    delta = _arc(3.6, back, back + deflection) + _TAIL * u  # about the gimbal
+    arc = partial(_Line, style=_ANGLE, arrow="-|>")
+    theta, alpha = _arc(5.6, 0.0, attitude), _arc(4.0, into_wind, attitude)
+    wind_arc = _arc(4.0, path, into_wind)
     return {
-        "gamma": _Line(_arc(2.6, 0.0, path), _ANGLE, r"$\gamma$", 0.5, (0.35, 0.1), "-|>"),
-        "Theta": _Line(_arc(5.6, 0.0, attitude), _ANGLE, r"$\Theta$", 0.2, (0.4, 0.05), "-|>"),
-        "alpha_w": _Line(
-            _arc(4.0, path, into_wind), _ANGLE, r"$\alpha_w$", 0.5, (0.45, 0.3), "-|>"
-        ),
-        "alpha": _Line(
-            _arc(4.0, into_wind, attitude), _ANGLE, r"$\alpha$", 0.25, (0.25, 0.35), "-|>"
-        ),
-        "delta": _Line(
-            _arc(3.6, back, back + deflection) + _TAIL * u,
-            _ANGLE,
-            r"$\delta$",
-            0.5,
-            (-0.15, -0.4),
-            "-|>",
-        ),
+        "gamma": arc(_arc(2.6, 0.0, path), text=r"$\gamma$", fraction=0.5, shift=(0.35, 0.1)),
+        "Theta": arc(theta, text=r"$\Theta$", fraction=0.2, shift=(0.4, 0.05)),
+        "alpha_w": arc(wind_arc, text=r"$\alpha_w$", fraction=0.5, shift=(0.45, 0.3)),
+        "alpha": arc(alpha, text=r"$\alpha$", fraction=0.25, shift=(0.25, 0.35)),
+        "delta": arc(delta, text=r"$\delta$", fraction=0.5, shift=(-0.15, -0.4)),
     }
 
 
-def _arms(attitude: float, path: float, wind: float, deflection: float) -> dict[str, _Line]:
-    """Return the lines of the moment arms by name.
+def _arms(attitude: float) -> dict[str, _Line]:
+    """Return the lines of the moment arms by name, at an attitude [rad], to the side of the axis.
 
-    `attitude`, `path`, `wind`, `deflection`: angles [rad], of which the attitude counts.
+    Each has heads at both ends, and thin lines lead to gimbal, c.g. and c.p. on the axis.
     """
     u, n = _axes_of(attitude)
     off = 1.6 * n
     ends = {"at the gimbal": -_ARM_C * u, "at c.g.": 0.0 * u, "at c.p.": _ARM_A * u}
+    arm = partial(_Line, style=_ARM, fraction=0.5, shift=(-0.7, 0.3), arrow="<|-|>")
     lines = {
-        "arm l_c": _Line(
-            _straight(off - _ARM_C * u, off), _ARM, "$l_c$ [m]", 0.5, (-0.7, 0.3), "<|-|>"
-        ),
-        "arm l_a": _Line(
-            _straight(off, off + _ARM_A * u), _ARM, "$l_a$ [m]", 0.5, (-0.7, 0.3), "<|-|>"
-        ),
+        "arm l_c": arm(_straight(off - _ARM_C * u, off), text="$l_c$ [m]"),
+        "arm l_a": arm(_straight(off, off + _ARM_A * u), text="$l_a$ [m]"),
     }
     for name, end in ends.items():
         lines[name] = _Line(_straight(end, end + 1.15 * off), _THIN)
@@ -523,6 +486,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     named: dict[float, str] = {}
     for name, at in stations.items():
         named[at] = f"{named[at]}, {name}" if at in named else name
+    # a name near the one before it stands at the other of two heights
     before, level, top = -np.inf, 1, 3.6 * radius
     for at, name in sorted(named.items()):
         level = 1 - level if at - before < _CLOSE * float(np.ptp(list(stations.values()))) else 0
@@ -534,6 +498,7 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
     arms = {"l_a": float(vehicle.aerodynamic_arm), "l_c": -float(vehicle.control_arm)}
     below = 0.0
     for name, end in sorted(arms.items(), reverse=True):
+        # dimension lines below the body; that of an l_a towards the tail below that of l_c
         below = -2.2 * radius if name == "l_c" or end >= 0.0 else -4.2 * radius
         axes.annotate(
             "", (end, below), (0.0, below), arrowprops={"arrowstyle": "<|-|>", **_DIMENSION}
@@ -552,9 +517,10 @@ def vehicle_chart(vehicle: Vehicle, limit: float | None = None) -> "ControlPlot"
 
 
 def _stations(vehicle: Vehicle) -> dict[str, float]:
-    """Return the stations [m] of gimbal, pressure and tanks of a vehicle, by name.
+    """Return the stations [m] of effector, centres of gravity and pressure, and tanks, by name.
 
-    They are measured forward of the centre of gravity.
+    They are measured forward of the centre of gravity. The effector is the gimbal, or "control"
+    where a force other than thrust steers the vehicle.
     """
     stations = {
         "gimbal" if vehicle.control_force_slope is None else "control": -vehicle.control_arm
