@@ -250,7 +250,7 @@ class Columns:
 
 
 def columns_of(record: Any, *names: str, axes: tuple[str, ...] | None = None) -> tuple[Column, ...]:
-    """Return the fields `names` of a record over `axes`, as in `Column`, as columns in SI units.
+    """Return the fields `names` of a record as columns in SI units over `axes`, by their names.
 
     Without axes they are over all axes of the table; "1" is the unit of a number without one.
     """

@@ -174,9 +174,9 @@ class Field:
         return source(record) if callable(source) else attrgetter(source)(record)
 
     def line(self, record: Any, prefix: str) -> lines.Line:
-        """Return the value of a record as a cell with unit; its number is called `prefix`.key.
+        """Return the value of a record as a cell with unit, whose number is called `prefix`.key.
 
-        It is the key in a document, with the unit at its end.
+        The key is that of documents, with the unit at its end: study.peak_deg.
         """
         return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
 
@@ -457,7 +457,7 @@ def parameters(kind: Callable[..., Any]) -> dict[str, Field]:
         helps |= help_lines(item)
     return {
         item.name: replace(
-            item.metadata[_SPECIFICATION][0],
+            item.metadata[_SPECIFICATION][0],  # a parameter has one `Field`
             name=item.name,
             default=None if item.default is MISSING else item.default,
             help=helps.get(item.name, ""),
@@ -526,7 +526,7 @@ def completed(text: str, table: FileTable, kind: type) -> str:
     in which `table` ends with an empty line. `kind`: dataclass of the fields.
     """
     start = text.index(f"\n{table.heading}\n")
-    end = text.find("\n\n", start + 1) % len(text)
+    end = text.find("\n\n", start + 1) % len(text)  # not found, -1, is the last line feed
     written = text[start:end]
     missing = [item for item in _keyed(kind) if not re.search(rf"\b{item.called}(_|\b)", written)]
     keys = [table.spelled(item.called).split(" or ")[0] for item in missing]

@@ -210,7 +210,7 @@ class Sheet:
         cells = self.column(heading)
         values = self.text.numbers(heading.name, cells, self.line) * unit.factor + unit.zero
         # characters of a unit may be damaged by encodings, such as a degree sign
-        damaged = unit.mangled and unit.spelling
+        damaged = unit.damaged and unit.spelling
         remark = f" (its unit is damaged, and taken for {unit.spelling})" if damaged else ""
         return Column(values, f"column {heading.text}{remark}")
 
@@ -372,7 +372,7 @@ def _heading(index: int, cell: str) -> Heading:
     text = " ".join("".join(c for c in cell if c.isprintable()).strip(' "').split())
     match = re.fullmatch(r"(.*\S)\s*[(\[]([^()\[\]]*)[)\]]", text)
     name, unit = (match[1], match[2].strip()) if match else (text, None)
-    return Heading(index, text, name, unit)
+    return Heading(index=index, text=text, name=name, unit=unit)
 
 
 def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
@@ -412,7 +412,14 @@ def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
         raise InputError(f"{text.source} has no row below its line of names")
     rows = _with_points(text, line, rows)
     numbers = np.array(line, dtype=np.int64)
-    return Sheet(text, headings, numbers, tuple(rows), head, _skipped(text.lines[:head]))
+    return Sheet(
+        text=text,
+        headings=headings,
+        line=numbers,
+        cells=tuple(rows),
+        head=head,
+        notes=_skipped(text.lines[:head]),
+    )
 
 
 def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:

@@ -124,11 +124,11 @@ class FileTable:
 
     def units(self, table: Mapping[str, Any]) -> dict[str, tuple[float, str]]:
         """Return number and unit, as they are written, of each key of a `table`, by name."""
-        keys = self.keys
+        names = {key: name for key, (name, _) in self.keys.items()}
         return {
-            keys[key][0]: (float(value), written(key.removeprefix(keys[key][0]).strip("_")))
+            names[key]: (float(value), written(key.removeprefix(names[key]).strip("_")))
             for key, value in table.items()
-            if key in keys
+            if key in names
         }
 
     def need(self, values: Mapping[str, Any], names: Iterable[str]) -> None:
@@ -158,7 +158,8 @@ class FileTable:
             self.spelled(k) for k, of in self.fields.items() if f"{key}_".startswith(f"{of}_")
         ]
         similar = fields or get_close_matches(key, [*words, *keys], n=2, cutoff=0.5)
-        nearest = keys.get(similar[0], ("",))[0] if similar else None  # name of its quantity
+        # name of the quantity of the most similar key, "" for a word
+        nearest, _ = keys.get(similar[0], ("", 1.0)) if similar else (None, 1.0)
         for name in sorted(self.quantities, key=len, reverse=True):
             if key == name or (key.startswith(f"{name}_") and nearest in (name, None)):
                 write = self.spelled(name)

@@ -185,13 +185,13 @@ _ZERO = {"°C": 273.15, "°F": 459.67 * 5.0 / 9.0}
 class Unit:
     """Recognised unit.
 
-    `factor`: to SI. `spelling`: its correct spelling. `mangled`: whether characters were damaged,
-    and the unit was identified by the quantity.
+    `factor`: to SI. `spelling`: its correct spelling. `damaged`: whether characters were damaged,
+    as by another encoding, and the unit was identified as the only similar one of its quantity.
     """
 
     factor: float
     spelling: str
-    mangled: bool
+    damaged: bool
 
     @property
     def zero(self) -> float:
@@ -209,21 +209,32 @@ def unit_of(written: str, candidates: dict[str, float]) -> Unit | None:
     """
     written = written.translate(_SIGNS)
     key = _key(written)
-    respelled = _respelled(written)
+    text = re.sub(r"[\s_]+", " ", written.lower()).replace(" per ", "/")
+    respelled = _key("".join(_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text)))
+    respelled = _SPEEDS.get(respelled, respelled)
     # 1. the same letters and digits; 2. after alternative spellings; 3. without powers, if unique
     for spelling, factor in candidates.items():
         if key == _key(spelling):
-            return Unit(factor, spelling, _bare(written) != _bare(spelling))
+            return Unit(factor, spelling, damaged=_bare(written) != _bare(spelling))
     for spelling, factor in candidates.items():
         if respelled == _key(spelling):
-            return Unit(factor, spelling, False)
+            return Unit(factor, spelling, damaged=False)
     powerless = re.sub(r"\d", "", key)
     fits = [
-        Unit(factor, spelling, True)
+        Unit(factor, spelling, damaged=True)
         for spelling, factor in candidates.items()
         if re.sub(r"\d", "", _key(spelling)) == powerless
     ]
     return fits[0] if len(fits) == 1 else None
+
+
+def factor_of(written: str, kind: str) -> float | None:
+    """Return the factor to SI of a unit of a `kind` of quantity, whose text is `written`.
+
+    None for an unknown unit, and for one with damaged characters.
+    """
+    unit = unit_of(written, WRITTEN[kind])
+    return None if unit is None or unit.damaged else unit.factor
 
 
 _SIGNS = str.maketrans("¹²³⁻\u2212º˚", "123--°°")
@@ -233,17 +244,6 @@ def _key(unit: str) -> str:
     """Return the ASCII letters, digits and strokes of a unit, in lower case."""
     ascii_characters = (c for c in unit.translate(_SIGNS).lower() if c.isascii())
     return "".join(c for c in ascii_characters if c.isalnum() or c == "/")
-
-
-def _respelled(unit: str) -> str:
-    """Return the key of a unit after its components are spelled as usual: m/s for m/sec.
-
-    The key is its ASCII letters, digits and strokes in lower case (`_key`).
-    """
-    text = re.sub(r"[\s_]+", " ", unit.lower()).replace(" per ", "/")
-    words = (_WORDS.get(word, word) for word in re.split(r"([^a-z]+)", text))
-    key = _key("".join(words))
-    return _SPEEDS.get(key, key)
 
 
 def _bare(unit: str) -> str:

@@ -153,7 +153,8 @@ class Case:
     def wind_at(self, dead_band: float) -> ShapedWind:
         """Return the wind of a shape, with its gust at its time, or the worst for a dead band K.
 
-        It keeps its heading; the worst time is taken for the wind in the plane.
+        It keeps its heading; the worst time is taken for the wind in the plane. `dead_band`: K, the
+        vehicle is trimmed up to K times the limit.
         """
         in_plane = self.wind_in_plane_at(dead_band)
         assert isinstance(self.wind, ShapedWind)
@@ -231,7 +232,7 @@ class Case:
 
     @cached_property
     def autopilot(self) -> Autopilot:
-        """The autopilot, designed on the rigid plant; same exceptions as its design.
+        """The autopilot, designed on the rigid plant; `InputError` where its gains cannot be.
 
         With a `controller`, a state space in place of gains, it is a `SystemAutopilot` of that.
         """
@@ -249,7 +250,7 @@ class Case:
                 accelerometer_bandwidth=design.accelerometer_bandwidth,
                 **chains,
             )
-        return self.autopilot_design.autopilot(self.plant.rigid, self.nozzle.actuator)
+        return design.autopilot(self.plant.rigid, self.nozzle.actuator)
 
 
 _MIN_STEPS, _MAX_STEPS = 16, 64

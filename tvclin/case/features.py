@@ -141,7 +141,7 @@ def refusal(question: str, option: str, key: str | None = None) -> str | None:
     """
     for feature, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
-            if use_of(question, feature) == COMPUTED:
+            if use_of(question, feature) == COMPUTED:  # but taken from a file or --set alone
                 writes = "(tvclin init --study my.toml writes one)"
                 by_file = f"a study file gives it the {feature} {writes}"
                 by_key = f"--set {key} VALUE gives it"
@@ -183,20 +183,14 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
         for feature in (*_REFUSED.get(question, ()), *_OMITTED_BY_OPTIONS.get(question, ()))
     }
     named = _specified_features(case, omitted, tables)
+    # the study is of a wind of one shape; a sounding is answered along its flight
+    candidates = _OF_PULSES if isinstance(case.wind, ShapedWind) else _OF_SOUNDINGS
     counting: dict[str, list[str]] = {}
     for feature in named:
-        counting.setdefault(_counting_question(case, feature), []).append(feature)
+        question = next(name for name in candidates if use_of(name, feature) == COMPUTED)
+        counting.setdefault(question, []).append(feature)
     for question, features in counting.items():
         yield f"not counted here: {listed(features)} (tvclin {question} counts it)"
-
-
-def _counting_question(case: Case, feature: str) -> str:
-    """Return the first question that computes a feature of a case, of those for its wind.
-
-    The study is of a wind of one shape; a sounding is answered along its flight.
-    """
-    questions = _OF_PULSES if isinstance(case.wind, ShapedWind) else _OF_SOUNDINGS
-    return next(question for question in questions if use_of(question, feature) == COMPUTED)
 
 
 def is_rigid_only(question: str) -> bool:
@@ -210,6 +204,7 @@ def _specified_features(case: Case, omitted: set[str], tables: Collection[str]) 
     `omitted`: names of features in `OPTIONS`. `tables`: tables of the file of the case.
     """
     nozzle, wind = case.nozzle, case.wind
+    # the plan of a study file has these, another case has not
     sizing, dispersions = getattr(case, "sizing", None), getattr(case, "dispersions", None)
     tests: dict[str, Callable[[], Any]] = {
         "gust": lambda: getattr(wind, "gust", None) is not None,
@@ -223,6 +218,7 @@ def _specified_features(case: Case, omitted: set[str], tables: Collection[str]) 
         "delay": lambda: case.autopilot_design.delay > 0.0,
         "sample rate": lambda: case.autopilot_design.sample_rate is not None,
         "filters": lambda: any(case.autopilot_design.chains.values()),
+        # a controller, or more in the design than filters, delay and sample rate
         "gains": lambda: (
             case.controller is not None
             or replace(case.autopilot_design.without_filters_and_delay, sample_rate=None)

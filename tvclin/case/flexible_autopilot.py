@@ -66,8 +66,8 @@ def flexible_answer(
 
     The autopilot is designed on the rigid plant, except for gains by a search, such as gains for
     the minimum deflection. `criteria`: criteria for detuned modes. `limit`: deflection limit of the
-    flight [rad]. `hardware`: items of `Case.hardware`. Same exceptions as `Autopilot.band_margins`
-    and `closed_loop_boundary`.
+    flight [rad]. `hardware`: actuator, rate limit, delay and sample rate of flights, by name.
+    `InputError` where margins or boundaries cannot be computed.
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
@@ -97,7 +97,8 @@ def stop_boundary(
 
     A first scan ends at some multiples of the trim |B alpha_w,max|; only where none of these limits
     survives and `limit` lies above, a second one goes on to it. `plant`: one plant. `hardware`:
-    items of `Case.hardware`. Same exceptions as `closed_loop_boundary`.
+    actuator, rate limit, delay and sample rate of flights, by name. `InputError` where flights have
+    no boundary, as in an endless wind.
     """
     boundary = closed_loop_boundary(plant, law, wind, **hardware)
     scanned = float(boundary.scan[-1])
@@ -112,7 +113,7 @@ def specified_law(case: Case, name: str, rate_limit: float, **parameters: Any) -
 
     The law is designed by `design_law` on the rigid vehicle of the case, for its wind; "autopilot"
     has the gains of the case. `rate_limit`: limit of the deflection rate [rad/s]. `parameters`:
-    further parameters of `design_law`. Same exceptions as `design_law` and `Case.autopilot`.
+    further parameters of `design_law`. `InputError` for a law that cannot be designed.
     """
     if name == AUTOPILOT:
         parameters = {AUTOPILOT: case.autopilot} | parameters
@@ -127,7 +128,7 @@ def with_filters(law: Law, design: AutopilotDesign) -> Law:
 
 
 def shift_of(plant: AnyPlant) -> Shift | None:
-    """Return the shift of pole and trim of a plant by its structure [%], as in `Shift`.
+    """Return the shift of fast pole and trim of a plant by its structure [%].
 
     How far bending and slosh move them from those of the rigid plant. None for a rigid plant, and
     for one without an unstable mode.
@@ -143,7 +144,8 @@ def shift_of(plant: AnyPlant) -> Shift | None:
 def shift_lines(plant: AnyPlant) -> tuple[Line, Line] | None:
     """Return the shifts of fast pole and trim of a plant by its structure [%], for a table.
 
-    None for a rigid plant, and for one without an unstable mode.
+    Trim is the deflection per wind angle at the fast pole, `trim_price`. None for a rigid plant,
+    and for one without an unstable mode.
     """
     moved = shift_of(plant)
     if moved is None:
@@ -238,8 +240,8 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
     The designs are poles at multiples of the unstable pole, and the linear quadratic regulator,
     with the actuator, delay, filters and sample rate of the case.
     """
-    others: Any = dict.fromkeys((*RULE_KEYS, *GIVEN_GAINS))
-    base = replace(case.autopilot_design, **others)
+    no_gains: Any = dict.fromkeys((*RULE_KEYS, *GIVEN_GAINS))  # None for each
+    base = replace(case.autopilot_design, **no_gains)
     rules = []
     with suppress(InputError):  # a stable vehicle has no such pole
         pole = float(case.plant.rigid.coefficients.pole)

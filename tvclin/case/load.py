@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -207,15 +208,17 @@ class FlownLoad(Shown):
         limit, max_load = case.nozzle.limit, None if bound is None else bound.bound
         if limit is None:
             raise InputError("case must have a deflection limit of its nozzle")
+        flown = partial(cls, law=name, bound=max_load)
         if beyond_linear(float(case.history.peak)):
-            return cls(name, NOT_KNOWN, np.nan, np.nan, max_load)
+            return flown(status=NOT_KNOWN, load=np.nan, time=np.nan)
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
-        if not flight.times.size:
-            return cls(name, flight.status, np.inf, np.nan, max_load)
+        if not flight.times.size:  # the flight diverges
+            return flown(status=flight.status, load=np.inf, time=np.nan)
         ratio = 0.0 if bound is None else bound.ratio  # of the moment's slopes, deflection to alpha
         loads = np.abs(flight.angle_of_attack + ratio * flight.deflection)
         worst = int(np.argmax(loads))
-        return cls(name, flight.status, float(loads[worst]), float(flight.times[worst]), max_load)
+        time = float(flight.times[worst])
+        return flown(status=flight.status, load=float(loads[worst]), time=time)
 
     @property
     @derived()

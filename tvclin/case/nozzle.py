@@ -132,12 +132,19 @@ class Nozzle:
         Raises
         ------
         InputError
-            For unknown keys of the table; also the exceptions of `Nozzle` and `Actuator`.
+            For unknown keys of the table, data of the hinge without mass and arm of the engine,
+            and numbers out of range.
         """
         values = NOZZLE_TABLE.read(table)
         servo = {name: values.pop(name) for name in _ACTUATOR if name in values}
         actuator = actuator_of(**servo) if servo else USUAL_ACTUATOR
-        return cls(data=_data(values), actuator=actuator, **values)
+        hinge = {name: values.pop(name) for name in _HINGE if name in values}
+        engine = {field: values.pop(name) for name, field in _ENGINE.items() if name in values}
+        data = None
+        if engine or hinge:
+            NOZZLE_TABLE.need(engine, ("mass", "arm"))
+            data = NozzleData(engine=Engine(**engine), **hinge)
+        return cls(data=data, actuator=actuator, **values)
 
 
 _HINGE = file_table("[nozzle]", NozzleData).quantities
@@ -147,20 +154,6 @@ NOZZLE_TABLE = file_table(
     quantities={**_ACTUATOR, "mass": "mass", "arm": "length", "inertia": "inertia", **_HINGE},
     words=("limit_shape",),
 )
-
-
-def _data(values: dict[str, Any]) -> NozzleData | None:
-    """Return engine and hinge, removed from the `values` of a table; None without them.
-
-    `values`: numbers [SI] by the names of [nozzle], from which those used are taken out. With any
-    of them `InputError` unless mass and arm of the engine are among them.
-    """
-    data = {name: values.pop(name) for name in (*_ENGINE, *_HINGE) if name in values}
-    if not data:
-        return None
-    NOZZLE_TABLE.need(data, ("mass", "arm"))
-    engine = {_ENGINE[name]: data.pop(name) for name in tuple(data) if name in _ENGINE}
-    return NozzleData(engine=Engine(**engine), **data)
 
 
 def actuator_of(actuator_frequency: float = 25.1, actuator_damping: float = 0.7) -> Actuator | None:

@@ -142,16 +142,16 @@ class TurbulenceRequest:
     @property
     def over_altitude(self) -> Turbulence:
         """Turbulence along a flight: a table over altitude, or of one intensity and length."""
-        of: dict[str, Any] = {"spectrum": self.spectrum, "component": self.component}
+        form: dict[str, Any] = {"spectrum": self.spectrum, "component": self.component}
         if self.table is not None:
             errors.instance("table", self.table, Turbulence, "see read_turbulence")
             air = self.table
         elif self.intensity is not None:
-            air = Turbulence(self.intensity, **of)
+            air = Turbulence(self.intensity, **form)
         else:
             exceedance = self.severity if self.exceedance is None else self.exceedance
             assert exceedance is not None
-            air = Turbulence.mil_f_8785c(exceedance, **of)
+            air = Turbulence.mil_f_8785c(exceedance, **form)
         values = {name: getattr(self, name) for name in ("length", "cutoff_wavelength")}
         return replace(air, **{name: x for name, x in values.items() if x is not None})
 
@@ -198,13 +198,14 @@ def turbulence_of(document: Mapping[str, Any], folder: Path) -> TurbulenceReques
             raise errors.InputError(
                 "turbulence over altitude is that of file or of level; keep one"
             )
-        of = {name: values.get(name, names[0]) for name, names in _FORMS.items()}
-        for name, names in _FORMS.items():
-            errors.one_of(name, of[name], names)
+        form = {  # spectrum and component
+            name: errors.one_of(name, values.get(name, names[0]), names)
+            for name, names in _FORMS.items()
+        }
         if path is not None:
-            values["table"] = read_turbulence(folder / errors.text("file", path), **of)
+            values["table"] = read_turbulence(folder / errors.text("file", path), **form)
         elif levels is not None:
-            values["table"] = turbulence_of_levels(levels, **of)
+            values["table"] = turbulence_of_levels(levels, **form)
         return TurbulenceRequest(**values)
 
     return TURBULENCE_TABLE.made(document, request)
@@ -325,8 +326,10 @@ class LoopInTurbulence(Shown):
         history = turbulence_history(
             autopilot, plant, air, speed, duration, wind=ended, settled=True, loads=slopes
         )
+        # the largest |mean| + k standard deviations of an output, and its time
         deflection, time = history.largest(k)
-        smooth = DEFLECTION_RATE in history.outputs
+        angle_of_attack, _ = history.largest(k, ANGLE_OF_ATTACK)
+        smooth = DEFLECTION_RATE in history.outputs  # a rate has a variance
         return cls(
             turbulence=air,
             sigmas=k,
@@ -334,7 +337,7 @@ class LoopInTurbulence(Shown):
             deflection=deflection,
             time=time,
             deflection_rate=history.largest(k, DEFLECTION_RATE)[0] if smooth else None,
-            angle_of_attack=history.largest(k, ANGLE_OF_ATTACK)[0],
+            angle_of_attack=angle_of_attack,
             load=None if load is None else history.largest(k, BENDING_MOMENT)[0],
             load_bound=None if load is None else load.bound,
             deflection_rms=stationary.deflection_rms,

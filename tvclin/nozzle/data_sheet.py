@@ -140,15 +140,21 @@ class NozzleVerdict(Shown):
             minimum, available = item.in_document_unit(required[item.name]), item.value(nozzle)
             if diverged and minimum <= (available or 0.0):
                 minimum = np.nan
-            lines.append(DataSheetLine(item.title, written(item.suffix), minimum, available))
+            lines.append(
+                DataSheetLine(
+                    name=item.title,
+                    unit=written(item.suffix),
+                    required=minimum,
+                    available=available,
+                )
+            )
         return cls(tuple(sorted(lines, key=lambda line: -line.ratio)), diverged, tuple(unknown))
 
     @classmethod
     def unknown_of(cls, nozzle: Nozzle, unknown: Iterable[str]) -> Self:
         """Return the verdict on a nozzle with unknown requirements, for reasons in words."""
-        return cls.of(
-            nozzle, dict.fromkeys(requirements_on_nozzle(nozzle, (), np.nan), np.nan), (), unknown
-        )
+        names = requirements_on_nozzle(nozzle, duties=(), travel=np.nan)
+        return cls.of(nozzle, required=dict.fromkeys(names, np.nan), unknown=unknown)
 
     @property
     @derived(card=False)
@@ -392,11 +398,10 @@ class FlightDuty(Shown):
         for key in ("travel_deg", "energy_J"):
             sums = [duty.as_dict()[key] for duty in self.duties]
             if np.isfinite(sums).any():
-                worst = self.duties[k := int(np.nanargmax(sums))]
-                item = _FIELDS[key]
+                item, k = _FIELDS[key], int(np.nanargmax(sums))
                 value = item.cell(f"duty.whole.{key}", sums[k])
                 label = f"{item.title} of the whole flight [{item.unit}]"
-                rows.append(((label,), value, ("",), where(worst)))
+                rows.append(((label,), value, ("",), where(self.duties[k])))
         head = ("", "largest", "at [s]", "in the wind")
         return Table(f"The nozzle over the flight, {self.law} flown", head, tuple(rows))
 

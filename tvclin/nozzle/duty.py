@@ -22,6 +22,12 @@ from tvclin.flights.closed_loop.fly import NozzleFlight
 from tvclin.linear.extremes import Point
 from tvclin.vehicle.vehicle import Vehicle
 
+_STEP_FIELDS = (
+    *("at", "angle", "rate", "acceleration"),
+    *("angle_of_attack", "angular_acceleration", "weights"),
+)
+"""Fields of a motion with a number for each step."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -108,16 +114,13 @@ class Motion:
         if inside.size < 2:
             return None
         steps = slice(inside[0], inside[-1] + 1)
-        rows = {k: getattr(self, k)[steps] for k in ("at", "angle", "rate", "acceleration")}
         ends = slice(steps.start, steps.stop + 1)
-        return type(self)(
+        return replace(
+            self,
             times=self.times[ends],
             deflection=self.deflection[ends],
-            **rows,
-            peak_acceleration=largest(rows["acceleration"], rows["at"]),
-            angle_of_attack=self.angle_of_attack[steps],
-            angular_acceleration=self.angular_acceleration[steps],
-            weights=self.weights[steps],
+            peak_acceleration=largest(self.acceleration[steps], self.at[steps]),
+            **{name: getattr(self, name)[steps] for name in _STEP_FIELDS},
         )
 
 
@@ -403,7 +406,7 @@ def duty_of_motion(
     nozzle: NozzleData | None,
     vehicle: Vehicle | None,
 ) -> NozzleDuty:
-    """Return the duty of a nozzle in a motion; parameters as in `nozzle_duty`.
+    """Return the duty of a nozzle in a motion, for torque with an engine and a hinge.
 
     `limit`: deflection limit [rad] or None. `window`: length [s] of the mean of the steady rate.
     `nozzle`: engine and hinge, None without torque. `vehicle`: None on a bench.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import chain
 from typing import Any, Self
 
@@ -95,7 +96,8 @@ class FlownDuty(Shown):
         if data is not None:
             vehicle = complete_vehicle(case.vehicle, "the torque of a nozzle").rigid
         if beyond := beyond_linear(float(case.history.peak)):
-            return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
+            unknown_verdict = NozzleVerdict.unknown_of(case.nozzle, (beyond,))
+            return cls(law=name, status=NOT_KNOWN, duty=None, notes=(), verdict=unknown_verdict)
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         notes, duties, diverged = tuple(design_notes(law)), [], []
         reason = flight_reason(case.plant, flight.status)
@@ -107,8 +109,13 @@ class FlownDuty(Shown):
         travel = duties[0].travel if duties else np.nan
         unknown = [f"the flight of {name}: {reason}"] if reason else []
         required = requirements_on_nozzle(case.nozzle, duties, travel) if duties or diverged else {}
-        verdict = NozzleVerdict.of(case.nozzle, required, diverged, unknown)
-        return cls(name, flight.status, duties[0] if duties else None, notes, verdict)
+        return cls(
+            law=name,
+            status=flight.status,
+            duty=duties[0] if duties else None,
+            notes=notes,
+            verdict=NozzleVerdict.of(case.nozzle, required, diverged, unknown),
+        )
 
     @property
     def survived(self) -> bool:
@@ -205,7 +212,9 @@ def flight_duty(
             " limit_deg in [nozzle], or Nozzle(limit=...)"
         )
     edges = np.concatenate([times[:1], (times[1:] + times[:-1]) / 2.0, times[-1:]])
-    conditions = _Conditions(case, request, case.nozzle.limit, law, edges)
+    conditions = _Conditions(
+        case=case, request=request, limit=case.nozzle.limit, law=law, edges=edges
+    )
     points: list[DutyPoint] = []
     signed = [pulse.heading is None for pulse in request.pulses(case)]
     unknown: dict[str, dict[float, str]] = {}
@@ -215,7 +224,12 @@ def flight_duty(
         for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
             placed = placed_in_planes(
-                conditions.planes, wind, request.schedule.at(time), time, "peak", 1.0
+                conditions.planes,
+                wind,
+                vehicle=request.schedule.at(time),
+                time=time,
+                placing="peak",
+                window=1.0,
             )
             for in_plane in placed.values():
                 if not in_plane.known:
@@ -250,7 +264,11 @@ def flight_duty(
 
 @dataclass(frozen=True, eq=False)
 class _Conditions:
-    """Conditions that are common to all flights; `edges`: ends of the intervals of time [s]."""
+    """Conditions that are common to all flights of a law.
+
+    `limit`: deflection limit [rad]. `law`: its name. `edges`: ends of the intervals [s] around the
+    n flight times, ``(n + 1,)``.
+    """
 
     case: Case
     request: SizingRequest
@@ -288,14 +306,19 @@ class _Conditions:
                 continue
             poles = unstable_modes(schedule.plants(time, case.law_model, plane)).poles
             if not poles.size:
-                yield DutyPoint(time, name, plane, limits[plane])
+                yield DutyPoint(time=time, wind=name, plane=plane, limit=limits[plane])
                 continue
             interval = self.edges[i : i + 2] if measured else None
             for direction, at_peak, history in encountered_winds(
                 vehicle, in_plane, placed, case.sign, signed=signed, interval=interval
             ):
-                wind = f"{name}{in_wind(direction)}"
-                point = DutyPoint(time, wind, plane, limits[plane], direction=direction)
+                point = DutyPoint(
+                    time=time,
+                    wind=f"{name}{in_wind(direction)}",
+                    plane=plane,
+                    limit=limits[plane],
+                    direction=direction,
+                )
                 yield self._flown(point, at_peak, history, interval)
 
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
@@ -354,15 +377,20 @@ class _Conditions:
         motion = complete if interval is None else complete.between(*interval)
         if motion is None:
             return replace(point, status=flight.status)
-        data, window = nozzle.data, request.steady_window
-        options = (point.limit, window, data, vehicle if data else None)
-        duty, noise_rate = duty_of_motion(motion, *options), np.zeros(2)
+        duty_in = partial(
+            duty_of_motion,
+            limit=point.limit,
+            window=request.steady_window,
+            nozzle=nozzle.data,
+            vehicle=vehicle if nozzle.data else None,
+        )
+        duty, noise_rate = duty_in(motion), np.zeros(2)
         if request.rate_noise:  # noise alone moves the nozzle some time after the wind
             begin, end = (float(wind.end) + t / pole for t in (_NOISE_START, _NOISE_END))
             noisy = complete.between(begin, end)
             if noisy is not None:
                 duration = float(noisy.times[-1] - noisy.times[0])
-                noise_rate = _spent(duty_of_motion(noisy, *options)) / duration
+                noise_rate = _spent(duty_in(noisy)) / duration
         span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
         # Travel and energy of the noise count apart, over the flight; those of a pulse keep theirs.
         without_noise = _spent(duty) - noise_rate * span
@@ -395,7 +423,7 @@ def _duties(
         rows = [point.without_noise for point in flown if point.duty is not None]
         spent = np.array(rows).reshape(-1, 2)
         if any(point.diverged or point.reason for point in flown):
-            spent = np.full((1, 2), np.nan)
+            spent = np.full((1, 2), np.nan)  # a single row of travel and energy
         elif not _measured(winds.get(wind)):
             noise = np.mean([point.noise_rate for point in flown], axis=0) * intervals.sum()
             spent = (spent.max(axis=0, initial=0.0) + noise)[np.newaxis]

@@ -182,7 +182,7 @@ def flown_trade_offs(
         law = specified_law(case, name, rate)
         boundary = closed_loop_boundary(case.plant, law, case.history, **options, progress=advanced)
         done += 1
-        advanced(0, 1)
+        advanced(0, 1)  # no wind yet of the next boundary
         return boundary
 
     def answer(case: Case, minimum: RateTradeOff) -> FlownTradeOff:

@@ -301,8 +301,8 @@ class History(Record, ABC):
     def _curve_probe_times(self) -> FloatArray:
         """Return sample times [s] of a curved history, rising, ``(..., m)``.
 
-        They are `probe_times`, and from each knot on even times over twenty time constants of each
-        rate.
+        They are `probe_times`, and after each knot evenly spaced times over twenty time constants
+        of each rate; those within a piece end just before the next knot.
         """
         count = self.knots.shape[-1]
         steps = np.linspace(0.0, 20.0, int(np.clip(_MAX_PROBES // count, 8, 128)))
@@ -389,7 +389,8 @@ class Piecewise(History):
 def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pieces:
     """Return linear pieces that begin at `knots` [s] with values and slopes [1/s], ``(..., n)``."""
     coefficients = np.stack(np.broadcast_arrays(values, slopes), axis=-1).astype(float)
-    return Pieces(np.asarray(knots, float), coefficients[..., np.newaxis, :], np.zeros(1))
+    knots = np.asarray(knots, float)
+    return Pieces(knots, coefficients=coefficients[..., np.newaxis, :], rates=np.zeros(1))
 
 
 def _scaled(pieces: Pieces, factor: AnyArray) -> Pieces:

@@ -351,7 +351,9 @@ class OneMinusCosineGust(Pulse):
         """Return the half waves of rise and fall, and zero after them."""
         duration = np.asarray(self.duration)
         knots = np.stack([np.zeros_like(duration), duration / 2, duration], axis=-1)
-        return _half_waves(np.asarray(self.peak), duration / 2, knots, [_RISE, _FALL, _ZERO])
+        return _half_waves(
+            np.asarray(self.peak), duration / 2, knots=knots, shape=[_RISE, _FALL, _ZERO]
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -399,11 +401,12 @@ class LayeredGust(History):
         blend = np.asarray(self.blend)
         top = blend + self.plateau
         knots = np.stack(np.broadcast_arrays(0.0, blend, top, top + blend), axis=-1)
-        return _half_waves(np.asarray(self.peak), blend, knots, [_RISE, _PLATEAU, _FALL, _ZERO])
+        shape = [_RISE, _PLATEAU, _FALL, _ZERO]
+        return _half_waves(np.asarray(self.peak), blend, knots=knots, shape=shape)
 
 
 def _half_waves(
-    peak: FloatArray, half_wave: FloatArray, knots: FloatArray, shape: list[list[float]]
+    peak: FloatArray, half_wave: FloatArray, *, knots: FloatArray, shape: list[list[float]]
 ) -> Pieces:
     """Return pieces (c0 + c1 cos(omega u)) peak, omega being pi over the `half_wave` [s].
 

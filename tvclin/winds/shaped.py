@@ -90,7 +90,7 @@ class ShapedWind:
         """Return the component of the wind in a plane, without a heading; itself without one.
 
         `attitude`: attitude of the flight above the horizontal [rad]. `InputError` for a wind that
-        blows in the other plane alone, and as `peaks`.
+        blows in the other plane alone, along a level flight, or faster than the flight.
         """
         if self.heading is None:
             return self
@@ -108,27 +108,31 @@ class ShapedWind:
         """Return the wind with the peak angle of a wind speed [m/s] for a vehicle, by eq (B1e).
 
         With a heading the peak is the size of the vector of both planes. `InputError` for a batch
-        of vehicles, an unknown plane, and as `angle_in_plane`.
+        of vehicles, an unknown plane, and a speed that makes no wind angle.
         """
         instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-        flight = number("velocity", vehicle.velocity), number("attitude", vehicle.attitude)
-        arguments = number("speed", speed, unit="m/s"), *flight
+        velocity, attitude = (
+            number("velocity", vehicle.velocity),
+            number("attitude", vehicle.attitude),
+        )
+        speed = number("speed", speed, unit="m/s")
         one_of("plane", plane, PLANES)
         if self.heading is None:
-            return replace(self, peak=float(angle_in_plane(*arguments, plane)), speed=arguments[0])
-        return replace(
-            self, peak=math.hypot(*angles_from_speed(*arguments, self.heading)), speed=arguments[0]
-        )
+            peak = float(angle_in_plane(speed, velocity, attitude, plane))
+        else:
+            peak = math.hypot(*angles_from_speed(speed, velocity, attitude, self.heading))
+        return replace(self, peak=peak, speed=speed)
 
     def with_gust_speed(self, speed: float, vehicle: Vehicle, plane: str) -> ShapedWind:
         """Return the wind with the peak angle of its gust from a wind speed [m/s], by eq (B1e).
 
         `vehicle`, `plane`: vehicle whose speed and attitude count, and plane of the angle, for a
-        wind without a heading. `InputError` as `with_speed`, and without a gust.
+        wind without a heading. `InputError` without a gust, for a batch of vehicles, an unknown
+        plane, and a speed that makes no wind angle.
         """
         if self.gust is None:
             raise InputError("the speed of a gust needs the gust that it is of")
-        peak = self.with_speed(speed, vehicle, plane).peak
+        peak = self.with_speed(speed, vehicle, plane).peak  # the angle of a wind of this speed
         gust = self.gust * (peak / float(self.gust.peak))
         return replace(self, gust=gust, gust_speed=speed)
 
@@ -148,7 +152,7 @@ class ShapedWind:
     def peaks(self, attitude: float) -> dict[str, float]:
         """Return the peak angle [rad] in each plane for a flight of an attitude [rad].
 
-        `InputError` for a wind without a heading, and as `angles_from_vector_size`.
+        `InputError` for a wind without a heading, along a level flight, or faster than the flight.
         """
         if self.heading is None:
             raise InputError(
@@ -176,7 +180,7 @@ class ShapedWind:
         """
         instance("values", values, Mapping, "of dispersed values by name")
         if self.heading is None:
-            self.peaks(0.0)
+            self.peaks(0.0)  # raises the error about the missing heading
         peak = np.asarray(values.get("wind_peak", self.peak))
         angles = angles_from_vector_size(peak, self.heading or 0.0, attitude)
         wind = self.history(dict(values))
@@ -242,7 +246,7 @@ def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> Histo
     `peaks`: peak angles [rad] of the wind by plane.
     """
     peak, size = peaks[plane], math.copysign(math.hypot(*peaks.values()), wind.peak)
-    if peak == 0.0:
+    if peak == 0.0:  # zero throughout, with the breakpoints of the wind in the other plane
         return wind.history({"wind_peak": size}) * 0.0
     gust = None if wind.gust is None else wind.gust * (peak / size)
     return replace(wind, peak=peak, heading=None, gust=gust).history({})

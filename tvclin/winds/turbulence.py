@@ -198,8 +198,9 @@ class Turbulence(Record):
                 )
         exponent = -np.log10(probability)
         if wind_at_20_ft is None:
-            names = -np.log10(list(SEVERITIES.values()))
-            low_wind = _KNOT * float(np.interp(exponent, names, list(_LOW_WINDS_KT.values())))
+            severities = -np.log10(list(SEVERITIES.values()))
+            winds_kt = list(_LOW_WINDS_KT.values())
+            low_wind = _KNOT * float(np.interp(exponent, severities, winds_kt))
         else:
             low_wind = errors.number("wind_at_20_ft", wind_at_20_ft, errors.nonnegative, "m/s")
         exponents = -np.log10(_PROBABILITIES)
@@ -216,11 +217,11 @@ class Turbulence(Record):
         high_sigma = _FOOT * np.array([np.interp(start, table_ft, high), *np.array(high)[above]])
         length = LENGTHS[errors.one_of("spectrum", spectrum, SPECTRA)]
         return cls(
-            np.concatenate([low_sigma, high_sigma]),
-            np.concatenate([_FOOT * low_length, np.full(high_sigma.shape, length)]),
-            spectrum,
-            component,
-            _FOOT * np.concatenate([low_ft, [start], table_ft[above]]),
+            intensity=np.concatenate([low_sigma, high_sigma]),
+            length=np.concatenate([_FOOT * low_length, np.full(high_sigma.shape, length)]),
+            spectrum=spectrum,
+            component=component,
+            altitude=_FOOT * np.concatenate([low_ft, [start], table_ft[above]]),
         )
 
     def at(self, altitude: float) -> Self:
@@ -287,6 +288,7 @@ class Turbulence(Record):
             np.broadcast_to(x, shape)[..., np.newaxis, np.newaxis] for x in (V / length, sigma)
         )
         A, b, c = self._filter(np.broadcast_to(length, shape))
+        # white noise of unit intensity over xi has the intensity dxi/dt over time
         return A * rate, b * np.sqrt(rate), c * size
 
     def _filter(self, length: FloatArray) -> FilterMatrices:
@@ -310,7 +312,7 @@ class Turbulence(Record):
     def remaining_variance(self, altitude: float | None = None) -> float:
         """Return the fraction of the variance below the cutoff wavelength; one without a cutoff.
 
-        `InputError` for a table without an altitude.
+        `altitude`: altitude [m] at which a table is read. `InputError` for a table without it.
         """
         _, length = self.over(altitude)
         A, b, c = self._filter(length)
@@ -346,10 +348,14 @@ class Turbulence(Record):
             else:
                 shape = (1.0 + 8 / 3 * square) / (1.0 + square) ** (11 / 6)
         else:
-            above, below = _FILTERS[self.spectrum, self.component]
-            gains = [np.polyval(polynomial[::-1], 1j * x) for polynomial in (above, below)]
-            # along: the numerator of G is sqrt(2), which `_FILTERS` omits
-            shape = np.abs(gains[0] / gains[1]) ** 2 * (2.0 if self.component == _ALONG else 1.0)
+            # |G(j x)|^2 of Dryden's filter; `_FILTERS` omits the factor sqrt(2) of that along
+            numerator, denominator = (
+                np.polyval(polynomial[::-1], 1j * x)
+                for polynomial in _FILTERS[self.spectrum, self.component]
+            )
+            shape = np.abs(numerator / denominator) ** 2 * (
+                2.0 if self.component == _ALONG else 1.0
+            )
         if self.cutoff_wavelength is not None:
             ratio = np.minimum(frequencies / V * self.cutoff_wavelength / (2.0 * np.pi), 1e6)
             shape = shape * (ratio**4 / (1.0 + ratio**4))

@@ -16,7 +16,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, naming
 from tvclin.base.sheet import Heading, Headings, read_sheet
 from tvclin.base.tables import FileTable
-from tvclin.base.units import WRITTEN, unit_of
+from tvclin.base.units import WRITTEN, factor_of
 from tvclin.winds.turbulence import COMPONENTS, SPECTRA, Turbulence
 
 LEVEL_TABLE = FileTable(
@@ -98,7 +98,11 @@ def _turbulence(columns: Mapping[str, FloatArray], spectrum: str, component: str
     or "von-karman". `component`: "transverse" or "along".
     """
     return Turbulence(
-        columns["intensity"], columns.get("length"), spectrum, component, columns["altitude"]
+        intensity=columns["intensity"],
+        length=columns.get("length"),
+        spectrum=spectrum,
+        component=component,
+        altitude=columns["altitude"],
     )
 
 
@@ -117,10 +121,8 @@ def _column(heading: Heading) -> tuple[str | None, float | None]:
     Each is None where it is not known.
     """
     words = heading.words
-    for size in (2, 1):
+    for size in (2, 1):  # names of two words first
         name = _COLUMNS.get(" ".join(words[:size]))
         if name is not None and len(words) >= size:
-            unit = unit_of(" ".join(words[size:]), WRITTEN[LEVEL_TABLE.quantities[name]])
-            has_unit = unit is not None and not unit.mangled and len(words) > size
-            return name, unit.factor if unit is not None and has_unit else None
+            return name, factor_of(" ".join(words[size:]), LEVEL_TABLE.quantities[name])
     return None, None

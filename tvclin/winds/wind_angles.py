@@ -151,8 +151,8 @@ def angle_in_plane(
     """Return the wind angle of attack [rad] in a plane, of a wind [m/s] along it.
 
     `velocity`: speed of the vehicle relative to the air [m/s]. In pitch the wind is along the
-    flight, which climbs at its attitude [rad]; in yaw it is across, at right angles. Raise
-    `InputError` as `angle_from_speed`.
+    flight, which climbs at its attitude [rad]; in yaw it is across, at right angles. `InputError`
+    for a wind faster than the flight, which makes no wind angle.
     """
     return angle_from_speed(speed, velocity, np.pi / 2 if plane == "yaw" else attitude)
 
@@ -199,6 +199,7 @@ def angles_from_vector_size(
     ratio = np.minimum(np.abs(size) / np.hypot(along, across), max_ratio)
     for _ in range(_NEWTON_ITERATIONS):  # Newton on |alpha(r)|^2 = peak^2, which is convex in r
         angles = np.arcsin(ratio * sines)
+        # half the derivative of |alpha|^2 with respect to r
         slope = np.sum(angles * sines / np.sqrt(1.0 - (ratio * sines) ** 2), axis=0)
         excess = np.sum(angles**2, axis=0) - size**2
         step = np.divide(excess, slope, out=np.zeros(size.shape), where=size != 0.0)
@@ -357,7 +358,10 @@ class EncounteredWind:
 
     @property
     def largest_angle(self) -> FloatArray:
-        """Largest size of the vector of both wind angles [rad], ``(n,)``; NaN as in `at`."""
+        """Largest size of the vector of both wind angles [rad], ``(n,)``.
+
+        NaN where no horizontal wind along the path has the angle.
+        """
         times = np.atleast_2d(self.history.probe_times())
         pitch, yaw, _ = self._triangle(times)
         return np.asarray(np.hypot(pitch, yaw).max(axis=-1))
@@ -365,9 +369,10 @@ class EncounteredWind:
     def _triangle(self, times: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return wind angles in pitch and in yaw [rad] and q/q_n at times [s], ``(n, ...)``.
 
-        q/q_n is the dynamic pressure over the nominal one. The speed of a wind by its angle adds to
-        that of a wind by its speed; angles and q/q_n are those of the sum. NaN where no horizontal
-        wind along the path has the angle.
+        q/q_n is the dynamic pressure over the nominal one. The speed of a wind by its angle, of
+        which `of_angle` gives the fractions in pitch and in yaw, adds to that of a wind by its
+        speed, of which `of_speed` gives those along and across the path; angles and q/q_n are those
+        of the sum. NaN where no horizontal wind along the path has the angle.
         """
         column = (-1, *[1] * (times.ndim - 1))  # one number for each wind and all of its times
         path, in_pitch, in_yaw = (np.reshape(x, column) for x in (self.path, *self.of_angle))
@@ -387,7 +392,10 @@ class EncounteredWind:
         return wind_triangle(path, along, across)
 
     def check_linear(self) -> None:
-        """Raise `InputError` as `check_possible`, and `NotKnownError` as `checked_linear`."""
+        """Raise `NotKnownError` for wind angles above `MAX_LINEAR_ANGLE`, 30 degrees.
+
+        `InputError` where no horizontal wind on the path has the angle.
+        """
         self.check_possible()
         checked_linear(float(self.largest_angle.max()))
 
@@ -396,10 +404,9 @@ class EncounteredWind:
         times = self.history.probe_times()[np.newaxis]
         _, ratio = self.at(times)
         if np.any(np.isnan(ratio)):
-            largest = np.degrees(
-                np.abs(self.of_angle[0] * _history_values(self.angle, times)).max()
-            )
-            paths = self.path if self.flight is None else self.flight[1]
+            in_pitch, _ = self.of_angle  # fractions of the wind angle in pitch and in yaw
+            largest = np.degrees(np.abs(in_pitch * _history_values(self.angle, times)).max())
+            paths = self.path if self.flight is None else self.flight[1]  # angles of the path
             raise errors.InputError(
                 f"a wind of {largest:.4g} deg along the path has no dynamic pressure for a flight"
                 f" at {np.degrees(np.min(paths)):.4g} deg: no horizontal wind turns it so far"

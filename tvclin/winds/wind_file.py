@@ -16,7 +16,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, number, one_of, positive, shown
 from tvclin.base.sheet import Headings, read_sheet
 from tvclin.base.tables import FileTable
-from tvclin.base.units import UNITS, WRITTEN, unit_of
+from tvclin.base.units import UNITS, factor_of
 from tvclin.vehicle.linear_vehicle import AnyVehicle, complete_vehicle
 from tvclin.winds.histories import History
 from tvclin.winds.pulses import LayeredGust, OneMinusCosineGust
@@ -70,7 +70,8 @@ def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | Win
 def is_wind_from_gust(document: Mapping[str, Any]) -> bool:
     """Return whether the [gust] of a study file is itself the wind, not on top of another wind.
 
-    `document`: the file as nested tables.
+    Other winds are those of [wind] and the soundings of [availability]. `document`: the file as
+    nested tables.
     """
     return "gust" in document and not {"wind", "availability"} & document.keys()
 
@@ -159,8 +160,8 @@ def wind_of(table: dict[str, Any], folder: Path) -> ShapedWind | WindEnsemble:
     values = {"shape": "triangular"} | wind_values(WIND_TABLE, table)
     if "unit" in values:
         raise InputError("unit in [wind] stands without the file that it is of")
-    directions = [values.pop(name, None) for name in _DIRECTION]
-    return ShapedWind(**values, heading=heading_of(*directions))
+    heading = heading_of(values.pop("direction", None), values.pop("azimuth", None))
+    return ShapedWind(**values, heading=heading)
 
 
 def heading_of(direction: float | None, azimuth: float | None) -> float | None:
@@ -232,16 +233,16 @@ def _sampled_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray
     missing = "names: a first column time_s and one for each wind"
     sheet = read_sheet(path, "a file of winds", _fit_of_winds, missing)
     time, *winds = sheet.headings
-    time_unit = unit_of(" ".join(time.words[1:]), WRITTEN["time"])
-    assert time_unit is not None  # by the fit
-    columns = [time_unit.factor * sheet.complete_numbers(time)]
+    time_factor = factor_of(" ".join(time.words[1:]), "time")
+    assert time_factor is not None  # `_fit_of_winds` accepts no other heading
+    columns = [time_factor * sheet.complete_numbers(time)]
     for wind in winds:
         factor = UNITS["angle"][unit or "deg"]
-        column_unit = None if wind.unit is None else unit_of(wind.unit, WRITTEN["angle"])
-        if column_unit is not None and not column_unit.mangled:
-            if unit is not None and not np.isclose(column_unit.factor, factor):
+        column_factor = factor_of(wind.unit or "", "angle")
+        if column_factor is not None:
+            if unit is not None and not np.isclose(column_factor, factor):
                 raise sheet.error(f"{shown(wind.text)} is not in {unit}, the unit in [wind]")
-            factor = column_unit.factor
+            factor = column_factor
         columns.append(factor * sheet.complete_numbers(wind))
     return columns[0], np.array(columns[1:])
 
@@ -249,5 +250,4 @@ def _sampled_winds(path: Path, unit: str | None) -> tuple[FloatArray, FloatArray
 def _fit_of_winds(headings: Headings) -> float:
     """Return 1 if the first heading of a line is a time with a known unit, else 0."""
     first, *units = headings[0].words or [""]
-    unit = unit_of(" ".join(units), WRITTEN["time"])
-    return 1.0 if first == "time" and unit is not None and not unit.mangled else 0.0
+    return 1.0 if first == "time" and factor_of(" ".join(units), "time") is not None else 0.0

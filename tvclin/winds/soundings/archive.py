@@ -114,7 +114,9 @@ class Soundings:
         if offsets[0] != 0 or offsets[-1] != size or np.any(np.diff(offsets) < 0):
             raise errors.InputError(f"offsets must rise from 0 to {size}, the number of levels")
         ascending = np.diff(self.height) > 0.0
-        ascending[offsets[(offsets > 0) & (offsets < size)] - 1] = True  # from one to the next
+        ascending[offsets[(offsets > 0) & (offsets < size)] - 1] = (
+            True  # from the top of one sounding to the next
+        )
         if not np.all(ascending):
             position = int(np.argmin(ascending)) + 1
             raise errors.InputError(
@@ -339,14 +341,14 @@ class SoundingFilter:
             raise errors.InputError(
                 f"months must be from 1 to 12, as [2]; got {errors.shown(months)}"
             )
-        if years is None:
-            return cls(frozenset(chosen), None, name, offset)
-        span = _integers("years", years, "the first and the last, as (1996, 2025)")
-        if len(span) != 2 or span[0] > span[1]:
-            raise errors.InputError(
-                f"years must be the first and the last, as (1996, 2025); got {errors.shown(years)}"
-            )
-        return cls(frozenset(chosen), (span[0], span[1]), name, offset)
+        span = None
+        if years is not None:
+            rule = "the first and the last, as (1996, 2025)"
+            numbers = _integers("years", years, rule)
+            if len(numbers) != 2 or numbers[0] > numbers[1]:
+                raise errors.InputError(f"years must be {rule}; got {errors.shown(years)}")
+            span = (numbers[0], numbers[1])
+        return cls(months=frozenset(chosen), years=span, station=name, utc_offset=offset)
 
     def accepts(self, station: str | None, time: Any) -> bool:
         """Return whether a sounding passes the filter of station, months and years.
@@ -368,9 +370,9 @@ class SoundingFilter:
 class SoundingCollection:
     """Soundings read so far: pieces of the arrays of `Soundings`, and counts of omissions.
 
-    `pieces`: of height, east, north, counts of levels, and times. `why`: as in `Soundings`.
-    `stations`: each station, and its first file. `counted`: for each remark its count, and its
-    first place.
+    `pieces`: of height [m], winds towards east and north [m/s], counts of levels, and times [UTC].
+    `why`: reason why each sounding cannot be used, or "". `stations`: each station, and its first
+    file. `counted`: for each remark its count, and its first place.
     """
 
     pieces: list[tuple[Any, ...]] = field(default_factory=list)
@@ -404,7 +406,7 @@ class SoundingCollection:
                 " name one with station"
             )
         if not self.pieces:
-            # so that an empty collection makes empty arrays
+            # heights, winds east and north, counts and times of no sounding: empty arrays
             self.pieces.append(([], [], [], [], np.empty(0, "datetime64[m]")))
         height, east, north, counts, times = (
             np.concatenate(column) for column in zip(*self.pieces, strict=True)
@@ -443,6 +445,7 @@ def _integers(name: str, values: Any, rule: str) -> list[int]:
     `name`: name of the argument in the error. `rule`: what it must be, after "must be".
     """
     row = isinstance(values, Iterable) and not isinstance(values, str | bytes)
+    # an array without axes cannot be iterated; None is refused below
     items: list[Any] = list(values) if row and getattr(values, "ndim", True) else [None]
     if not all(isinstance(item, int | np.integer) and not isinstance(item, bool) for item in items):
         raise errors.InputError(f"{name} must be {rule}; got {errors.shown(values)}")

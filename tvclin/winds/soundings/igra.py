@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,7 +157,7 @@ def read_station(
 
 
 def is_station(path: Path) -> bool:
-    """Return whether a path is a station file: a zip, or a text that begins with a header."""
+    """Return whether a path is taken for a station file: any zip, or a text with its header."""
     if path.suffix.lower() == ".zip":
         return True
     try:
@@ -217,14 +217,27 @@ def _no_zip(name: str) -> InputError:
     return InputError(f"{name} is no zip that can be read; load it down again")
 
 
+class _Header(NamedTuple):
+    """Header of a sounding in a block of levels.
+
+    `time`: time [UTC]. `line`: number of its line. `announced`: number of levels that it announces.
+    `first`: index in the block of its first level.
+    """
+
+    time: Any
+    line: int
+    announced: int
+    first: int
+
+
 @dataclass
 class _StationStream:
     """Parser of a station file, line by line, with checks in blocks of levels.
 
     `name`: name of the file. `accepted`: filter of the soundings. `number`, `headers`: numbers of
     the lines and headers so far. `accepting`: whether levels are of an accepted sounding. `lines`,
-    `numbers`: lines of a block of levels, and their numbers. `heads`: time, line, announced count
-    and index of the first level of each sounding of the block.
+    `numbers`: lines of a block of levels, and their numbers. `heads`: headers of the soundings of
+    the block.
     """
 
     name: str
@@ -235,11 +248,12 @@ class _StationStream:
     accepting: bool = False
     lines: list[bytes] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
-    heads: list[tuple[Any, int, int, int]] = field(default_factory=list)
+    heads: list[_Header] = field(default_factory=list)
 
     def take(self, line: bytes) -> None:
         """Parse the next line of the file: a header, or a level, which is kept if accepted."""
         self.number += 1
+        # the first line may begin with a byte order mark of three bytes
         if line[:1] == b"#" or (self.number == 1 and _HEADER_START.match(line[3:])):
             self._head(line.removeprefix(b"\xef\xbb\xbf"))
         elif self.accepting and not line.isspace():
@@ -259,15 +273,17 @@ class _StationStream:
         if self.headers == 1 and is_derived(line.decode("latin-1").strip()):
             raise derived_error(self.name)
         if match is None:
-            said = f"{self.name}, line {self.number}"
-            self.collection.count("headers not in their columns, left out", said)
+            where = f"{self.name}, line {self.number}"
+            self.collection.count("headers not in their columns, left out", where)
             return
         station, *date, hour, release, count = match.groups()
         time = self._time("-".join(number.decode() for number in date), int(hour), release)
         if time is not None and self.accepted.accepts(station.decode(), time):
             self.accepting = True
             self.collection.stations.setdefault(station.decode(), called(self.name))
-            self.heads.append((time, self.number, int(count), len(self.lines)))
+            self.heads.append(
+                _Header(time, line=self.number, announced=int(count), first=len(self.lines))
+            )
 
     def _time(self, date: str, hour: int, release: bytes) -> Any:
         """Return the nominal time [UTC] of a sounding; None for an impossible date.
@@ -297,17 +313,16 @@ class _StationStream:
         """
         if not self.heads:
             return
-        starts = np.array([*(first for *_, first in self.heads), len(self.lines)])
+        starts = np.array([*(head.first for head in self.heads), len(self.lines)])
         rows = _rows(self.lines, np.array(self.numbers, dtype=np.int64), np.diff(starts))
         why = [""] * len(self.heads)
-        for i, (_, line, announced, _) in enumerate(self.heads):
-            follow = int(starts[i + 1] - starts[i])
-            if follow != announced:
+        for i, (head, follow) in enumerate(zip(self.heads, np.diff(starts), strict=True)):
+            if follow != head.announced:
                 why[i] = (
-                    f"line {line}: {announced} levels are announced and {follow} follow; the file"
-                    " is cut short"
+                    f"line {head.line}: {head.announced} levels are announced and {follow} follow;"
+                    " the file is cut short"
                 )
-        times = np.array([time for time, *_ in self.heads], dtype="datetime64[m]")
+        times = np.array([head.time for head in self.heads], dtype="datetime64[m]")
         collect_levels(self.collection, rows, times, why)
         self.lines, self.numbers, self.heads = [], [], []
 
@@ -411,8 +426,8 @@ def collect_levels(
     collection.count("levels with a wind but without a height, left out", times=omitted)
     collection.count("levels of a height that was there already, left out", times=repeated)
     collection.count("levels where the balloon sank, left out", times=sunk.size)
-    levels = geometric(level[usable]), east[index[usable]], north[index[usable]]
-    collection.pieces.append((*levels, np.where(valid, counts, 0), times))
+    height, east, north = geometric(level[usable]), east[index[usable]], north[index[usable]]
+    collection.pieces.append((height, east, north, np.where(valid, counts, 0), times))
     collection.why.extend(why)
 
 
@@ -455,8 +470,9 @@ def _above_previous(
     """Return indices of ascending levels, the number of repeats, and soundings of sunk levels.
 
     A level ascends if it is above all levels before it in its sounding. `sounding`, `height`,
-    `index`: number of the sounding, height [m] and index of each level, ``(n,)``. A repeat has the
-    height of the highest level before it, and a sunk level is below it.
+    `index`: number of the sounding, height [m], or minus the logarithm of pressure, and index of
+    each level, ``(n,)``. A repeat has the height of the highest level before it, and a sunk level
+    is below it.
     """
     stacked = height + _SOUNDING_SPACING * sounding  # each sounding above the one before
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], stacked]))[:-1]

@@ -75,11 +75,10 @@ class SoundingEntry(NamedTuple):
 def level_faults(
     speed: FloatArray, *, height: FloatArray | None = None, direction: FloatArray | None = None
 ) -> Faults:
-    """Return the checks that no level of a sounding may fail, alone or in an archive.
+    """Return the possible faults of levels: which have it, ``(n,)``, and what a message says.
 
-    `speed`, `height`, `direction`: [m/s], [m], [rad] of levels, ``(n,)``; NaN where nothing was
-    measured. Each check is the invalid levels, ``(n,)``, and a function from the index of a level
-    to a message.
+    The message of a fault is a function of the index of a level. `speed`, `height`, `direction`:
+    [m/s], [m] and [rad] of the levels, ``(n,)``; NaN where nothing was measured.
     """
     unknown = np.full(speed.shape, np.nan)
     z = unknown if height is None else height

@@ -136,20 +136,21 @@ def checked_flight(flight: FlightPath) -> list[FloatArray]:
         errors.within(name, values[name], -_MAX_FLIGHT_NUMBER, _MAX_FLIGHT_NUMBER, unit)
         for name, unit in _FLIGHT_ARRAYS.items()
     ]
-    errors.directions("flight_path_angle", arrays[3])
-    shape = arrays[0].shape
+    time, height, speed, path_angle = arrays
+    errors.directions("flight_path_angle", path_angle)
+    shape = time.shape
     if len(shape) != 1 or shape[0] < 2 or any(array.shape != shape for array in arrays):
         raise errors.InputError(
             f"{', '.join(_FLIGHT_ARRAYS)} of a flight must be arrays of one length, two or more;"
             f" got {', '.join(str(array.shape) for array in arrays)}"
         )
-    for name, array in zip(("time", "height"), arrays, strict=False):
+    for name, array in (("time", time), ("height", height)):
         descending = np.diff(array) <= 0.0
         if np.any(descending):
             raise errors.InputError(
                 f"{name} of a flight must ascend; it does not at index {descending.argmax()}"
             )
-    errors.positive("speed", arrays[2], "m/s")
+    errors.positive("speed", speed, "m/s")
     return arrays
 
 
@@ -394,7 +395,8 @@ class WindProfile(Record):
         Raises
         ------
         InputError
-            As `to_wind`; of a wind that is zero in both planes.
+            For a flight that does not reach the wind or does not ascend, and a wind that is zero in
+            both planes.
         """
         planes = {"pitch": self.in_plane(azimuth), "yaw": self.cross_plane(azimuth)}
         samples = [

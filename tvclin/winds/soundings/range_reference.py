@@ -72,8 +72,7 @@ class RangeReference:
         """Return the wind speed [m/s] at a percentile of soundings, ``(n,)``.
 
         `percentile`: above 0 and below 100. Each height has its own Pearson type III distribution
-        with the mean, the standard deviation
-        and the skewness of the table, truncated at zero.
+        with the mean, the standard deviation and the skewness of the table, truncated at zero.
         """
         return np.maximum(
             _pearson_quantile(_probability(percentile), self.skew_speed) * self.sd_speed
@@ -159,7 +158,7 @@ def _month(text: Text, first: int, end: int) -> RangeReference:
 
     `first`, `end`: indices of the line of the title, and of the line after the last row.
     """
-    head = "\n".join(text.lines[first + 1 : first + 5])
+    head = "\n".join(text.lines[first + 1 : first + 5])  # month, station, names and units
     month, station = re.match(r"\s*(\w+)\s*\n", head), re.search(r"Station\s*=\s*(.*)", head)
     if not month or not station or not re.search(r"\bKM\b", head):
         raise text.error(

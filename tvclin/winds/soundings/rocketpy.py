@@ -28,7 +28,8 @@ def _read(text: Text) -> Levels:
 
     Each wind is interpolated linearly; heights that only one list reaches are omitted.
     """
-    lists = _lists(text)
+    lists = _lists(text)  # line and value of each list
+    # line, heights [m] and winds [m/s] towards east (u) and north (v)
     (line, z_u, u), (_, z_v, v) = (_pairs(text, name, *lists[name]) for name in _LISTS)
     height = np.unique(np.concatenate([z_u, z_v]))
     low, high = max(z_u[0], z_v[0]), min(z_u[-1], z_v[-1])

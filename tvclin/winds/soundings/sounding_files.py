@@ -119,7 +119,7 @@ def soundings_in(
     """
     name = recognised_format(text) if format is None else errors.one_of("format", format, READERS)
     if name in _TABLES:
-        reading = TableOptions.of(units, above_ground, assumed=name == "openrocket")
+        reading = TableOptions.of(units, above_ground, openrocket_units=name == "openrocket")
         return wind_table.soundings_in(text, reading)
     if units is not None or above_ground is not None:
         raise not_a_table_error(text.source, name)
@@ -258,7 +258,7 @@ def read_soundings(
 
     if format is not None:
         errors.one_of("format", format, READERS)
-    TableOptions.of(units, above_ground, assumed=False)  # refuses unknown units
+    TableOptions.of(units, above_ground, openrocket_units=False)  # refuses unknown units
     collection = SoundingCollection()
     for i, file in enumerate(files):
         day = _FIRST_DAY + np.timedelta64(i, "D") if in_order else None
@@ -326,7 +326,7 @@ def _add_single(
     listed_time: Any,
     default_time: Any,
 ) -> None:
-    """Add the soundings of a file to the collection; a page without a sounding is counted.
+    """Add the soundings of a file to the collection; a file without a sounding is counted.
 
     `reading`: format, units and elevation of the site [m], each perhaps None. `sounding_filter`:
     which times and stations are read. `listed_time`, `default_time`: time [UTC] that counts for a
@@ -366,7 +366,7 @@ def _add_entry(
     times = np.array([time])
     try:
         profile = profile_of(entry.levels())
-    except errors.InputError as error:
+    except errors.InputError as error:  # no heights and winds east and north: zero levels
         collection.pieces.append(([], [], [], np.array([0]), times))
         collection.why.append(str(error))
         return
@@ -476,7 +476,7 @@ class SoundingReading:
         return {name: getattr(self, name) for name in names}
 
     def profile(self, file: Path) -> WindProfile:
-        """Return the sounding of a file; same exceptions as `read_sounding`."""
+        """Return the sounding of a `file`; `InputError` where none can be read."""
         return read_sounding(file, time=self.time, **self.table)
 
     @cached_property
@@ -484,8 +484,8 @@ class SoundingReading:
         """Mean wind for which the flight path is biased, from the file `bias`; None without one.
 
         Of a station file it is the mean of all soundings, or of those of `bias_month`; another file
-        is a sounding itself. `InputError` as the readers, and for a month of a file that is none of
-        a station.
+        is a sounding itself. `InputError` for a file that cannot be read, and for a month with a
+        file that is no station file.
         """
         if self.bias is None:
             return None

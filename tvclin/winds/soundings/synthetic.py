@@ -94,7 +94,7 @@ def add_gust(
         )
     steps = np.linspace(0.0, flank, _FLANK_PIECES + 1)
     height = np.unique(np.concatenate([profile.height, low + steps, top + steps]))
-    inside = np.minimum(height - low, top + flank - height)
+    inside = np.minimum(height - low, top + flank - height)  # distance to the nearer end
     rise = (1.0 - np.cos(np.pi * np.clip(inside / flank, 0.0, 1.0))) / 2
     gust = errors.number("amplitude", amplitude, unit="m/s") * rise
     east, north = profile.at(height)
@@ -178,8 +178,8 @@ def synthetic_profile(
     z, w = errors.finite("height", height, "m"), errors.nonnegative("speed", speed, "m/s")
     layer = errors.positive("thickness", thickness, "m")
     drop = errors.positive("change", change, "m/s")
-    _ascending("height and speed", z, w, z)
-    _ascending("thickness and change", layer, drop, layer, drop)
+    _check_rows("height and speed", (z, w), ascending=(z,))
+    _check_rows("thickness and change", (layer, drop), ascending=(layer, drop))
     centre = errors.number("peak_height", peak_height, unit="m")
     angle = errors.bearing("azimuth", azimuth)
     if not z[0] <= centre <= z[-1]:
@@ -203,16 +203,19 @@ def synthetic_profile(
     )
 
 
-def _ascending(names: str, first: FloatArray, second: FloatArray, *rising: FloatArray) -> None:
-    """Raise `InputError` unless two rows have one length, and all rows of `rising` ascend.
+def _check_rows(
+    names: str, rows: tuple[FloatArray, FloatArray], ascending: tuple[FloatArray, ...]
+) -> None:
+    """Raise `InputError` unless two rows have one length, and those of `ascending` ascend.
 
-    `names`: names of the rows in the error. `first`, `second`: the rows.
+    `names`: names of the rows in the error.
     """
+    first, second = rows
     if first.ndim != 1 or first.shape != second.shape or not first.size:
         raise errors.InputError(
             f"{names} must be two lists of one length; got shapes {first.shape} and {second.shape}"
         )
-    if any(np.any(np.diff(values) <= 0.0) for values in rising):
+    if any(np.any(np.diff(values) <= 0.0) for values in ascending):
         raise errors.InputError(f"{names} must ascend")
 
 

@@ -18,7 +18,7 @@ from tvclin.base.errors import text as a_text
 from tvclin.base.files import called
 from tvclin.base.lines import listed
 from tvclin.base.sheet import Heading, Headings, Sheet, Text, head_of, sheet_in
-from tvclin.base.units import DEGREE, WRITTEN, unit_of
+from tvclin.base.units import DEGREE, factor_of
 from tvclin.winds.soundings.levels import Levels, SoundingEntry, wind_components
 
 _NAMES = {
@@ -67,43 +67,47 @@ class TableOptions:
     """Units and site elevation of a table of winds, as the user gives them.
 
     `units`: factors to SI, by kind of quantity, of columns whose names have no unit. `ground`:
-    elevation of the site [m] for heights above the ground. `assumed`: whether columns without any
-    unit have the units of OpenRocket.
+    elevation of the site [m] for heights above the ground. `openrocket_units`: whether columns
+    without any unit have the units of OpenRocket: m, m/s and degrees.
     """
 
     units: dict[str, float] = field(default_factory=dict)
     ground: float | None = None
-    assumed: bool = False
+    openrocket_units: bool = False
 
     @classmethod
-    def of(cls, units: str | None, above_ground: float | None, *, assumed: bool) -> TableOptions:
+    def of(
+        cls, units: str | None, above_ground: float | None, *, openrocket_units: bool
+    ) -> TableOptions:
         """Return the options from texts and numbers of the user; `InputError` if invalid.
 
         `units`: units of columns whose names have none, such as "ft,mph"; None for no such units.
         `above_ground`: elevation [m] of the site for heights above the ground; None for heights
-        above the sea. `assumed`: same as the field.
+        above the sea. `openrocket_units`: whether columns without any unit are in m, m/s, degrees.
         """
         factors: dict[str, float] = {}
         for word in () if units is None else a_text("units", units).split(","):
-            fits = [
-                (k, u)
-                for k in _UNIT_SPELLINGS
-                if (u := unit_of(word, WRITTEN[k])) and not u.mangled
-            ]
-            if not fits or fits[0][0] in factors:
+            fits = {k: f for k in _UNIT_SPELLINGS if (f := factor_of(word, k)) is not None}
+            kind = next(iter(fits), "")
+            if not kind or kind in factors:
                 raise InputError(
                     "units must name those of heights, speeds and directions, each once, such as"
                     f" ft,mph or m,kt,deg; got {shown(units)}"
                 )
-            factors[fits[0][0]] = fits[0][1].factor
+            factors[kind] = fits[kind]
         if above_ground is not None:
             above_ground = number("above_ground", above_ground, between(*SITE_ELEVATIONS), "m")
-        return cls(factors, above_ground, assumed)
+        return cls(units=factors, ground=above_ground, openrocket_units=openrocket_units)
 
 
 @dataclass(frozen=True)
 class _Column:
-    """Column of a wind table: quantity, factor to SI (None for an unknown unit) and reference."""
+    """Column of a wind table.
+
+    `factor`: to SI, None without a known unit. `geopotential`, `sea`, `ground`: whether its name
+    says that a height is geopotential, above the sea or above the ground. `unnamed`: whether it has
+    no unit in its name.
+    """
 
     heading: Heading
     quantity: str
@@ -151,15 +155,14 @@ def _wind_column(heading: Heading) -> _Column | None:
         if first in _NAMES and len(words) >= size:
             quantity = _NAMES[first]
             unit = [word for word in qualifiers if word not in _QUALIFIERS[quantity]]
-            si_unit = unit_of(" ".join(unit), WRITTEN[_KINDS[quantity]]) if unit else None
             return _Column(
-                heading,
-                quantity,
-                si_unit.factor if si_unit is not None and not si_unit.mangled else None,
-                first.startswith("geopotential"),
-                not _SEA.isdisjoint(qualifiers),
-                not _GROUND.isdisjoint(qualifiers),
-                not unit,
+                heading=heading,
+                quantity=quantity,
+                factor=factor_of(" ".join(unit), _KINDS[quantity]),
+                geopotential=first.startswith("geopotential"),
+                sea=not _SEA.isdisjoint(qualifiers),
+                ground=not _GROUND.isdisjoint(qualifiers),
+                unnamed=not unit,
             )
     return None
 
@@ -204,10 +207,10 @@ def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _C
     `reading`: units and site elevation that the `sheet` does not say.
     """
     candidates = [column for column in map(_wind_column, sheet.headings) if column is not None]
-    units = reading.units
-    if reading.assumed:
+    units = reading.units  # factors to SI by kind of quantity
+    if reading.openrocket_units:
         units = _DEFAULT_UNITS | units
-    elif units:
+    elif units:  # directions are in degrees where the user names other units alone
         units = {"angle": DEGREE} | units
     usable: dict[str, list[_Column]] = {}
     for column in _by_reference(sheet, candidates, reading.ground):
@@ -247,9 +250,9 @@ def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None)
         )
     if ground is not None and any(column.sea or column.geopotential for column in heights):
         raise sheet.error(f"there are heights above the sea ({names}): leave above_ground out")
-    dropped = above_sea if ground is not None and len(above_sea) < len(heights) else ()
-    if ground is None:
-        dropped = [column for column in heights if column.ground]
+    # heights without a reference are above the ground only where no other column is
+    above_ground = [column for column in heights if column.ground]
+    dropped = above_ground if ground is None else above_sea if above_ground else []
     return [column for column in candidates if column not in dropped]
 
 
@@ -267,10 +270,11 @@ def _missing_columns_error(
             hint = (
                 ", or give the units of a file that names none (units in [sounding], as ft,mph;"
                 " those of OpenRocket's winds: --set sounding.format openrocket)"
+                if column.unnamed
+                else ""
             )
             return sheet.error(
-                f"{shown(column.heading.text)} has no known unit; write {spelled}"
-                f"{hint * column.unnamed}"
+                f"{shown(column.heading.text)} has no known unit; write {spelled}{hint}"
             )
     return sheet.error(
         "the header must name a height and either speed and direction or east and north, with"

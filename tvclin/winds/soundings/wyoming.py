@@ -14,7 +14,10 @@ from tvclin.winds.soundings.levels import Levels, SoundingEntry
 _MONTHS = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"]
 _SPEEDS = {"SKNT": UNITS["speed"]["kt"], "SPED": 1.0}
 _UNIT_WORDS = {"SKNT": ("knot", "knots", "kt", "kts"), "SPED": ("m/s",)}
-_TITLE = re.compile(r"(.*Observations.* at (\d\d) ?(?:Z|UTC) (\d\d) (\w{3}) (\d{4}))")
+_TITLE = re.compile(
+    r"(.*Observations.* at (?P<hour>\d\d) ?(?:Z|UTC)"
+    r" (?P<day>\d\d) (?P<month>\w{3}) (?P<year>\d{4}))"
+)
 _MAX_TITLE_WIDTH = 300
 
 
@@ -32,11 +35,11 @@ def _list_entry(text: Text, header: int) -> SoundingEntry:
     `header`: index of the line of the header.
     """
     title, time = "", ""
-    for line in text.lines[max(header - 6, 0) : header]:
+    for line in text.lines[max(header - 6, 0) : header]:  # the title is at most six lines above
         match = _TITLE.match(re.sub(r"<[^>]*>", "", line[:_MAX_TITLE_WIDTH]).strip())
-        if match and match[4] in _MONTHS:
-            title = match[1]
-            time = f"{match[5]}-{_MONTHS.index(match[4]) + 1:02d}-{match[3]} {match[2]}"
+        if match and match["month"] in _MONTHS:
+            title, month = match[1], _MONTHS.index(match["month"]) + 1
+            time = f"{match['year']}-{month:02d}-{match['day']} {match['hour']}"
     return SoundingEntry(lambda: _read(text, header, title), time=time)
 
 
