@@ -78,26 +78,24 @@ class Cached:
         self._compute = compute
         self.cache: dict[tuple[Any, ...], CachedAnswer] = {}
 
-    def __call__(self, *plain: Any) -> CachedAnswer:
-        """Return the answer for these arguments, from the cache or computed now."""
-        if plain not in self.cache:
-            self.cache[plain] = self._computed(plain)
+    def __call__(self, *arguments: Any) -> CachedAnswer:
+        """Return the answer for hashable arguments, from the cache or computed now.
+
+        Its notes are the warnings of the function, or the message of its `InputError` alone. Beyond
+        `_MAX_CACHED` answers the oldest ones are dropped.
+        """
+        if arguments not in self.cache:
+            value: Any = None
+            notes: list[str] = []
+            with pass_warnings(notes.append):
+                try:
+                    value = self._compute(*arguments)
+                except InputError as error:
+                    notes = [str(error)]
+            self.cache[arguments] = CachedAnswer(value, tuple(notes))
             while len(self.cache) > _MAX_CACHED:
                 del self.cache[next(iter(self.cache))]
-        return self.cache[plain]
-
-    def _computed(self, plain: tuple[Any, ...]) -> CachedAnswer:
-        """Return the computed value with its warnings, or the message of an `InputError`.
-
-        `plain`: the arguments of the function, as numbers and records.
-        """
-        said: list[str] = []
-        with pass_warnings(said.append):
-            try:
-                value = self._compute(*plain)
-            except InputError as error:
-                return CachedAnswer(None, (str(error),))
-        return CachedAnswer(value, tuple(said))
+        return self.cache[arguments]
 
 
 @Cached
@@ -131,14 +129,14 @@ def motion(plan: StudyPlan, law: str) -> Motion:
     times = _times(plan, wind)
     if one_of("law", law, CONTROLS) == REPORT:
         plant = Plant.from_vehicle(plan.vehicle, plan.model, plan.plane)
-        against = -float(np.sign(plant.coefficients.B)) * float(np.sign(wind.peak))
-        if not against:
+        sign = -float(np.sign(plant.coefficients.B)) * float(np.sign(wind.peak))  # that of trim
+        if not sign:
             raise InputError(
                 "the report's control turns the nozzle against the moment of the wind, and this"
                 " vehicle feels none: mu_alpha is 0"
             )
         assert plan.nozzle.limit is not None
-        deflection = trim_then_hold(plant, wind, against * plan.nozzle.limit, plan.dead_band)
+        deflection = trim_then_hold(plant, wind, sign * plan.nozzle.limit, plan.dead_band)
         response = attitude_responses(plant, deflection, wind, times)
         return Motion(times, wind(times), response["attitude"], deflection(times))
     flown = fly(plan.plant, _law(plan, law), wind, times, **_nozzle(plan))
@@ -254,6 +252,7 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     motion whose gust has no time yet, and a requirement with a gust or a direction of the wind.
     """
     inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
+    # whether the worst time of a gust must be searched for now
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
     def in_placed_wind(compute: Cached) -> CachedAnswer:
@@ -292,15 +291,18 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
 
     `choices`: the values of the controls. `requirement`: the required deflection in their wind.
     """
-    plan, calm = choices.plan, requirement.at_nominal_pressure
+    plan, nominal = choices.plan, requirement.at_nominal_pressure
     plane_notes = [_BOTH.format(plan.plane)] if requirement.judges_both_planes else []
     return [
         *linear_notes(requirement.wind_angle),
         *vehicle_warnings(plan.vehicle),
         *gust_placed(choices.wind, requirement.wind_in_plane),
         *along_the_path(requirement),
-        *(plane_notes or direction_notes(requirement.planes, plan.plane, False, calm)),
-        *(() if calm else [_NOMINAL]),
+        *(
+            plane_notes
+            or direction_notes(requirement.planes, plan.plane, judged=False, calm=nominal)
+        ),
+        *(() if nominal else [_NOMINAL]),
     ]
 
 

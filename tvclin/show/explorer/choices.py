@@ -126,9 +126,9 @@ class Choices:
 
 
 def _bare(plan: StudyPlan, **fields: Any) -> StudyPlan:
-    """Return a plan of the same rigid motion and autopilot, with defaults otherwise.
+    """Return a plan with rigid vehicle, model, plane and autopilot of `plan`, else with defaults.
 
-    `fields`: fields of the plan that are neither.
+    `fields`: further fields of the plan, or other values of vehicle and design.
     """
     values: dict[str, Any] = {"vehicle": plan.vehicle.rigid, "design": plan.design} | fields
     return StudyPlan(model=plan.model, plane=plan.plane, **values)
@@ -202,10 +202,10 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
 
     Limits and gains have the scale of ``|B|``, and of ``|B|/beta`` [s] for a rate gain.
     """
-    (start_B, start_per_rate), *others = (
+    (start_B, start_B_over_beta), *others = (
         _sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles)
     )
-    B, per_rate = (max(sizes) for sizes in zip(*others, strict=True))
+    B, B_over_beta = (max(sizes) for sizes in zip(*others, strict=True))
     wind, nozzle, design = plan.wind, plan.nozzle, plan.autopilot_design
     assert isinstance(wind, ShapedWind)
     gust, rate = wind.gust, nozzle.rate_limit or 0.0
@@ -214,21 +214,33 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
     lasts = 1.0 if gust is None else float(gust.end - gust.onset)
     heading = 45.0 if wind.heading is None else wind.heading / _DEG
     limit = None if nozzle.limit is None else nozzle.limit / _DEG
-    all_sliders = {
+    alpha_gain = _fitted("gain b0 [-]", 0.0, upper=5.0 * B, start_value=design.alpha_gain or 0.0)
+    all_sliders = {  # label, start value, minimum, maximum and step of each
         "duration": Slider("wind duration [s]", wind.duration, 0.5, LONGEST, 0.1),
         "peak": Slider("wind peak [deg]", wind.peak / _DEG, -4.0 * _PEAK, 4.0 * _PEAK, 0.1),
         "heading": Slider("wind from [deg]", heading, -180.0, 360.0, 1.0),
         "gust_peak": Slider("gust peak [deg]", gust_peak, -10.0, 10.0, 0.1),
         "gust_duration": Slider("gust length [s]", lasts, 0.1, 10.0, 0.1),
         "dead_band": Slider("dead band K [-]", plan.dead_band, 0.0, 1.0, 0.01),
-        "limit": _fitted("limit [deg]", 0.75 * start_B * _PEAK, 3.0 * B * _PEAK, 1, limit),
+        "limit": _fitted(
+            "limit [deg]",
+            0.75 * start_B * _PEAK,
+            upper=3.0 * B * _PEAK,
+            min_steps=1,
+            start_value=limit,
+        ),
         "rate_limit": Slider("rate limit [deg/s]", rate / _DEG, 0.0, 20.0, 0.1),
         "actuator": Slider("actuator [rad/s]", servo, 0.0, 100.0, 0.1),
-        "attitude_gain": _fitted("gain a0 [-]", 5.0 * start_B, 15.0 * B, 0, design.attitude_gain),
-        "rate_gain": _fitted(
-            "gain a1 [s]", 3.0 * start_per_rate, 15.0 * per_rate, 0, design.rate_gain
+        "attitude_gain": _fitted(
+            "gain a0 [-]", 5.0 * start_B, upper=15.0 * B, start_value=design.attitude_gain
         ),
-        "alpha_gain": _signed("gain b0 [-]", 5.0 * B, design.alpha_gain),
+        "rate_gain": _fitted(
+            "gain a1 [s]",
+            3.0 * start_B_over_beta,
+            upper=15.0 * B_over_beta,
+            start_value=design.rate_gain,
+        ),
+        "alpha_gain": alpha_gain._replace(minimum=-alpha_gain.maximum),
         "delay": Slider("delay [ms]", 1e3 * design.delay, 0.0, 200.0, 1.0),
         "sample_rate": Slider("samples [Hz]", design.sample_rate or 0.0, 0.0, 200.0, 1.0),
     }
@@ -247,12 +259,12 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     assert isinstance(file_wind, ShapedWind)
     actuator = replace(servo, natural_frequency=v["actuator"]) if v["actuator"] else None
     wind = ShapedWind(
-        v["shape"],
-        v["peak"] * _DEG,
-        v["duration"],
-        v["heading"] * _DEG if slanting else None,
-        _gust(v["gust_peak"], v["gust_duration"], plateau_of(file_wind.gust)),
-        file_wind.gust_at if v["gust_peak"] else None,
+        shape=v["shape"],
+        peak=v["peak"] * _DEG,
+        duration=v["duration"],
+        heading=v["heading"] * _DEG if slanting else None,
+        gust=_gust(v["gust_peak"], v["gust_duration"], plateau_of(file_wind.gust)),
+        gust_at=file_wind.gust_at if v["gust_peak"] else None,
         **_speeds(base, vehicle, v),
     )
     plan = replace(
@@ -379,27 +391,17 @@ def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
 
 
 def _fitted(
-    label: str, start: float, upper: float, min_steps: int, start_value: float | None
+    label: str, usual: float, *, upper: float, start_value: float | None, min_steps: int = 0
 ) -> Slider:
     """Return a slider from `min_steps` steps to a round number, of some hundred steps.
 
-    `label`: its label. `start`: value at which it begins, rounded to a step. `upper`: largest
-    value, rounded up. `start_value`: value that counts in place of `start`, not rounded; None
-    without.
+    `label`: its label. `upper`: largest value, rounded up. `start_value`: value at which it begins;
+    where it is None, the `usual` one, rounded to a step.
     """
     upper = round_up(upper)
     step = 10.0 ** (np.floor(np.log10(upper)) - 2.0)
-    value = step * round(start / step) if start_value is None else start_value
-    return Slider(label, value, min_steps * step, upper, step)
-
-
-def _signed(label: str, upper: float, start_value: float | None) -> Slider:
-    """Return a slider about zero with a label, up to `upper` in both directions.
-
-    `start_value`: value at which it begins; None for zero.
-    """
-    slider = _fitted(label, 0.0, upper, 0, start_value or 0.0)
-    return slider._replace(minimum=-slider.maximum)
+    value = step * round(usual / step) if start_value is None else start_value
+    return Slider(label, value, minimum=min_steps * step, maximum=upper, step=step)
 
 
 def _with_room(slider: Slider) -> Slider:
@@ -574,7 +576,7 @@ def _turbulence(request: TurbulenceRequest | None) -> list[tuple[str, Table]]:
     items = [item for item in parameters(TurbulenceRequest).values() if item.name != "table"]
     values = {item.document_key: (getattr(request, item.name), item.default) for item in items}
     keys = {key: value for key, (value, usual) in values.items() if value not in (None, usual)}
-    air = request.table
+    air = request.table  # intensity and length over altitude
     if air is None or air.altitude is None:
         return [("[turbulence]", keys)]
     columns = {"altitude_m": air.altitude, "intensity_m_per_s": air.intensity}

@@ -90,7 +90,7 @@ class Picture:
             self._frame(frames)
         self.canvas.restore_region(self._empty)
         for name, line in self.lines.items():
-            panel = name.partition(".")[0]
+            panel, _, _ = name.partition(".")  # names are panel.line
             _, (_, top) = frames[panel]
             beyond = _MAX_OVER_FRAME * top
             x, y = data[name]
@@ -198,26 +198,22 @@ def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
 
     A line without an answer is empty: two arrays of no numbers. The limit is drawn nevertheless.
     """
-    c, m, deg = answer.choices, answer.motion, np.degrees
-    long = c.wind.duration
+    motion, duration = answer.motion, answer.choices.wind.duration
     nothing: tuple[Any, Any] = (np.zeros(0), np.zeros(0))
-    limit = float(deg(c.limit))
+    limit = float(np.degrees(answer.choices.limit))
     lines = dict.fromkeys(("boundary.curve", "boundary.point"), nothing)
     if answer.boundary is not None and answer.required is not None:
-        lines["boundary.curve"] = answer.durations, deg(answer.boundary)
-        lines["boundary.point"] = [long], deg([answer.required])
+        lines["boundary.curve"] = answer.durations, np.degrees(answer.boundary)
+        lines["boundary.point"] = [duration], np.degrees([answer.required])
     lines["boundary.limit"] = [0.0, LONGEST], [limit, limit]
-    lines["boundary.have"] = [long], [limit]
-    ends = [0.0 if m is None else float(m.time[0]), long if m is None else float(m.time[-1])]
+    lines["boundary.have"] = [duration], [limit]
+    ends = [0.0, duration] if motion is None else [float(motion.time[0]), float(motion.time[-1])]
     lines["deflection.upper"] = ends, [limit, limit]
     lines["deflection.lower"] = ends, [-limit, -limit]
-    rows = {
-        "attitude.wind": None if m is None else m.wind,
-        "attitude.attitude": None if m is None else m.attitude,
-        "deflection.deflection": None if m is None else m.deflection,
-    }
-    for name, row in rows.items():
-        lines[name] = nothing if m is None or row is None else (m.time, deg(row))
+    for name in ("attitude.wind", "attitude.attitude", "deflection.deflection"):
+        quantity = name.rpartition(".")[2]  # a field of the motion
+        row = nothing if motion is None else (motion.time, np.degrees(getattr(motion, quantity)))
+        lines[name] = row
     return lines
 
 
@@ -229,15 +225,15 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
     cut. `data`: result of `curves`.
     """
     c = answer.choices
-    limit, calm = float(np.degrees(c.limit)), c.wind.duration  # calm: end of the wind [s]
+    limit, wind_end = float(np.degrees(c.limit)), c.wind.duration
     time, attitude = (np.asarray(array) for array in data["attitude.attitude"])
-    shown = [*np.abs(attitude[time <= calm]), *np.abs(data["attitude.wind"][1])]
+    shown = [*np.abs(attitude[time <= wind_end]), *np.abs(data["attitude.wind"][1])]
     tall = round_up(min(_FRAME_OVER_ATTITUDE * max(shown, default=1.0), _MAX_ATTITUDE_DEG))
-    needed = max([limit, *data["boundary.curve"][1], *data["boundary.point"][1]])
-    long = (0.0, round_up(max(float(time[-1]) if time.size else calm, 1.0)))
+    required = max([limit, *data["boundary.curve"][1], *data["boundary.point"][1]])
+    long = (0.0, round_up(max(float(time[-1]) if time.size else wind_end, 1.0)))
     deflection = round_up(1.05 * limit)
     return {
-        "boundary": ((0.0, LONGEST), (0.0, round_up(1.05 * needed))),
+        "boundary": ((0.0, LONGEST), (0.0, round_up(1.05 * required))),
         "attitude": (long, (-tall, tall)),
         "deflection": (long, (-deflection, deflection)),
     }
@@ -369,7 +365,10 @@ class Panel:
             self._timer = loop.call_later(_EVENT_TIME, self._next, choices, steps + 1)
 
     def _next(self, choices: Choices, steps: int) -> None:
-        """Compute a number of steps of the answer to choices, and show it."""
+        """Compute a number of steps of the answer to choices, and show it.
+
+        Computed before, the last step does not count in the time of `_complete` for further ones.
+        """
         answer(choices, steps)
         self._complete(choices, steps)
 

@@ -107,7 +107,8 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
         plan = StudyPlan.of_study(source)
     else:
         plan = source if isinstance(source, StudyPlan) else load_study(source)
-    return page_of(plan)[0]
+    page, _ = page_of(plan)
+    return page
 
 
 def page_of(
@@ -311,7 +312,8 @@ def narrow(plot: "ControlPlot") -> None:
     entries: dict[str, Any] = {}
     for axes in panels:
         axes.minorticks_off()
-        entries |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        handles, labels = axes.get_legend_handles_labels()
+        entries |= dict(zip(labels, handles, strict=True))
         if axes.get_legend() is not None:
             axes.get_legend().remove()
         if len(panels) == 1:
@@ -328,7 +330,8 @@ def narrow(plot: "ControlPlot") -> None:
     height = _SINGLE_PANEL if len(panels) == 1 else _PANEL * len(panels)
     options = {"handles": list(entries.values()), "labels": list(entries), "frameon": False}
     for columns in (2, 1):
-        foot = max(_FOOT, _LINE * (-(-len(entries) // columns) + 1))
+        rows = -(-len(entries) // columns)  # rounded up
+        foot = max(_FOOT, _LINE * (rows + 1))  # [inch]
         figure.set_size_inches(_WIDTH, height + foot)
         legend = figure.legend(loc="outside lower center", ncols=columns, **options)
         if columns == 1 or legend.get_window_extent().width < figure.bbox.width:
