@@ -53,7 +53,8 @@ class ConstantDeflection(History):
     def _pieces(self) -> Pieces:
         """Pieces of a deflection that is zero up to `start` and `limit` from there on."""
         limit, start = np.broadcast_arrays(self.limit, self.start)
-        return linear_pieces(start[..., np.newaxis], limit[..., np.newaxis], 0.0)
+        breakpoints, values, slope = start[..., np.newaxis], limit[..., np.newaxis], 0.0
+        return linear_pieces(breakpoints, values, slope)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,9 +86,9 @@ class BangBang(History):
         limit = errors.nonzero("limit", self.limit, "rad")
         start = errors.finite("start", self.start, "s")
         times = np.atleast_1d(errors.finite("switch_times", self.switch_times, "s"))
-        errors.together(
-            limit=limit, start=start, switch_times=times[..., 0] if times.size else limit
-        )
+        # the last axis of the times, which may be empty, does not broadcast
+        first = times[..., 0] if times.size else limit
+        errors.together(limit=limit, start=start, switch_times=first)
         if times.size and (np.any(np.diff(times) < 0.0) or np.any(times[..., 0] < start)):
             raise errors.InputError(
                 f"switch_times must not decrease, nor come before start"
@@ -104,17 +105,18 @@ class BangBang(History):
         shape = np.broadcast_shapes(limit.shape, start.shape, self.switch_times.shape[:-1])
         first = np.broadcast_to(start[..., np.newaxis], (*shape, 1))
         switches = np.broadcast_to(self.switch_times, (*shape, count))
-        signs = (-1.0) ** np.arange(count + 1)
-        return linear_pieces(
-            np.concatenate([first, switches], axis=-1), limit[..., np.newaxis] * signs, 0.0
-        )
+        breakpoints = np.concatenate([first, switches], axis=-1)
+        values = limit[..., np.newaxis] * (-1.0) ** np.arange(count + 1)
+        slope = 0.0
+        return linear_pieces(breakpoints, values, slope)
 
 
 def trim_deflection(plant: Plant, wind: History) -> History:
     """Return the deflection that keeps the attitude nominal in a wind, exactly [rad].
 
-    On eq (5) it is -B alpha_w; on the models with drift the wind passes the filter -B (s + b2)/(s +
-    b1), because the vehicle drifts with the wind; eq before (17).
+    On a fixed path it is -B alpha_w, with the trim deflection B per angle of attack; on the models
+    with drift the wind passes the filter -B (s + b2)/(s + b1), because the vehicle drifts with the
+    wind: the report's eq before (17), with b1 and b2 [1/s] of `Coefficients`.
 
     Parameters
     ----------
@@ -176,10 +178,11 @@ def trim_then_hold(
             f" {limit.ravel()[0]:.6g} rad against a wind of {np.ravel(wind.peak)[0]:.6g} rad"
         )
     literal = errors.one_of("switch", switch, SWITCHES) == "literal"
-    # the deflection whose size exits the dead band [rad]: trim with drift, or without
-    driver = trim if literal else wind * -np.asarray(plant.coefficients.B)
-    time = exit_time(driver, limit, dead_band)
+    # the deflection that is compared with K times the limit [rad]: trim with drift, or without
+    compared = trim if literal else wind * -np.asarray(plant.coefficients.B)
+    time = exit_time(compared, limit, dead_band)
     exits = np.isfinite(time)
+    # the limit from the exit on; without an exit zero, from any time on
     limit_after_exit = linear_pieces(
         np.where(exits, time, wind.knots[..., -1])[..., np.newaxis],
         np.where(exits, limit, 0.0)[..., np.newaxis],
@@ -188,26 +191,25 @@ def trim_then_hold(
     return trim.before(time) + Piecewise(limit_after_exit)
 
 
-def exit_time(driver: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatArray:
+def exit_time(deflection: History, limit: ArrayLike, dead_band: ArrayLike) -> FloatArray:
     """Return the first time [s] at which a deflection reaches `dead_band` times `limit`.
 
-    Shape ``broadcast(driver.batch, limit.shape, dead_band.shape)``; inf where the level is never
-    reached. `driver`: histories of the deflection whose size exits the dead band [rad]. `limit`:
-    deflection limit with the sign of the driver [rad]. `dead_band`: K in [0, 1]; with zero the time
-    is the onset of the driver.
+    Shape ``broadcast(deflection.batch, limit.shape, dead_band.shape)``; inf where it never does.
+    `deflection`: histories of trim [rad]. `limit`: deflection limit with the sign of the trim
+    [rad]. `dead_band`: K in [0, 1]; with zero the time is the onset of the deflection.
     """
     limit, dead_band = np.asarray(limit, dtype=float), np.asarray(dead_band, dtype=float)
-    relative = driver * (1.0 / limit)
+    relative = deflection * (1.0 / limit)
     shape = np.broadcast_shapes(relative.batch, dead_band.shape)
-    level = np.broadcast_to(dead_band, shape).ravel()
-    start = np.broadcast_to(relative.onset, shape)
-    times = relative.probe_times()
+    level = np.broadcast_to(dead_band, shape)
     pieces = algebra.spread(relative.pieces, shape)
 
     def excess(t: FloatArray, index: IndexArray) -> FloatArray:
-        """Return driver/limit - K at times t ``(k,)`` [s] of the cases at positions `index`."""
+        """Return deflection/limit - K at times t ``(k,)`` [s] of cases at positions ``(k,)``."""
         values = algebra.value(algebra.take(pieces, index), t[:, np.newaxis])[:, 0]
-        return np.real(values) - level[index]
+        return np.real(values) - level.ravel()[index]
 
-    values = np.real(algebra.value(pieces, times)) - level.reshape(shape)[..., np.newaxis]
-    return np.where(level.reshape(shape) > 0.0, first_crossing(times, values, excess), start)
+    times = relative.probe_times()  # samples around all breakpoints
+    values = np.real(algebra.value(pieces, times)) - level[..., np.newaxis]
+    onset = np.broadcast_to(relative.onset, shape)
+    return np.where(level > 0.0, first_crossing(times, values, excess), onset)

@@ -78,7 +78,7 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
     Extremes are refined between samples, and do not depend on the sampling of a response.
     """
     sign = _wind_sign(plant, wind)
-    smallest = _RELATIVE_ROUNDING * abs(float(wind.peak))
+    smallest = _RELATIVE_ROUNDING * abs(float(wind.peak))  # [rad], counts as zero below
     attitude = _output(plant, deflection, wind, "attitude")
 
     def at(time: float) -> Point:
@@ -86,7 +86,7 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
         return Point(float(attitude(np.array([time]))[0]), time)
 
     times = probe_times(0.0, length, deflection, wind)
-    towards = sign * attitude(times)  # positive where the wind turns the vehicle to
+    towards = sign * attitude(times)  # positive in the direction to which the wind turns
     highest, highest_time = refined_maximum(lambda t: sign * attitude(t), times, towards)
     lowest, lowest_time = refined_maximum(lambda t: -sign * attitude(t), times, -towards)
     return Extremes(
@@ -118,7 +118,8 @@ def response_end(
     degrees.
 
     `plant`: one plant. `deflection`, `wind`: its inputs [rad]; the wind ends. `longest`: requested
-    end [s]. `lets_go`: whether the limit survives, so that the last return to zero ends its use.
+    end [s]. `lets_go`: whether the limit survives, so that it is released; otherwise only 90
+    degrees and the requested end count.
     """
     from scipy.optimize import brentq
 
@@ -128,27 +129,30 @@ def response_end(
     times = probe_times(0.0, longest, deflection, wind)
     attitude = _output(plant, deflection, wind, "attitude")
     towards = _wind_sign(plant, wind) * attitude(times)  # positive: as the wind turns the vehicle
-    overturning = _overturning_time(times, towards, wind, _RELATIVE_ROUNDING) if lets_go else np.inf
-    exceeding = np.flatnonzero(np.abs(towards) > MAX_SHOWN_ATTITUDE)
-    if not exceeding.size or overturning <= times[exceeding[0] - 1]:
-        why = RELEASED if overturning < longest else COMPLETE
-        return ResponseEnd(min(overturning, longest), why)
-    ends = times[exceeding[0] - 1], times[exceeding[0]]
-    end = brentq(lambda t: MAX_SHOWN_ATTITUDE - abs(float(attitude(np.array([t]))[0])), *ends)
+    # the time from which the attitude stays opposite to the wind
+    release = _overturning_time(times, towards, wind, _RELATIVE_ROUNDING) if lets_go else np.inf
+    exceeding = np.flatnonzero(np.abs(towards) > MAX_SHOWN_ATTITUDE)  # beyond 90 degrees
+    if not exceeding.size or release <= times[exceeding[0] - 1]:
+        why = RELEASED if release < longest else COMPLETE
+        return ResponseEnd(min(release, longest), why)
+    bracket = times[exceeding[0] - 1], times[exceeding[0]]
+    end = brentq(lambda t: MAX_SHOWN_ATTITUDE - abs(float(attitude(np.array([t]))[0])), *bracket)
     return ResponseEnd(float(end), OVERTURNED)
 
 
 def release_time(plant: Plant, wind: History, times: FloatArray, attitude: FloatArray) -> float:
     """Return the time [s] at which the deflection may leave its limit; infinite if never.
 
-    It is the time of the last zero of the attitude in a flight that survives or, without one, the
-    time at which the limit turns the vehicle against the wind, as in `response_end`.
+    It is the time at which the attitude of a flight that survives last returns through zero from
+    the direction to which the wind turns the vehicle or, without such a return, the time from which
+    it stays opposite to the wind, but not before the end of the wind.
 
     `plant`, `wind`: plant and wind of the flight. `times`, `attitude`: samples of the flight [s,
     rad], ``(n,)``, NaN if missing; between them attitudes are interpolated linearly.
     """
     valid = np.isfinite(attitude)
     times, towards = times[valid], _wind_sign(plant, wind) * attitude[valid]
+    # attitudes below a thousandth of the peak wind angle count as zero
     significant = np.where(
         np.abs(towards) > _RELATIVE_FLIGHT_ERROR * abs(float(wind.peak)), towards, 0.0
     )
@@ -161,14 +165,16 @@ def release_time(plant: Plant, wind: History, times: FloatArray, attitude: Float
 def _wind_sign(plant: Plant, wind: History) -> float:
     """Return the sign, 1 or -1, of the attitude to which a wind turns a vehicle.
 
-    `plant`: one plant. `wind`: its wind [rad].
+    `plant`: one plant. `wind`: its wind [rad]. The sign is that of the peak times the moment of a
+    positive wind, -mu_alpha, or, in a plant without coefficients, times the numerator of the
+    attitude from the wind at the fastest unstable pole.
     """
-    # sign of the moment of a positive wind; without coefficients, of its effect on the fastest mode
-    _, from_wind, _ = plant.attitude_fractions(plant.poles[:1])
-    turning = from_wind.real.item()
     if plant.coefficients_known:
-        turning = -plant.coefficients.mu_alpha
-    return float(np.sign(turning * wind.peak)) or 1.0
+        effect = -plant.coefficients.mu_alpha
+    else:
+        _, from_wind, _ = plant.attitude_fractions(plant.poles[:1])
+        effect = from_wind.real.item()
+    return float(np.sign(effect * wind.peak)) or 1.0
 
 
 def _overturning_time(
@@ -180,10 +186,10 @@ def _overturning_time(
     samples [s]. `towards`: attitude [rad] with the sign of the wind, at `times`. `smallest`:
     fraction of the peak wind angle below which an attitude counts as zero.
     """
-    before = np.flatnonzero(towards >= -smallest * abs(float(wind.peak)))
-    if not before.size or before[-1] == times.size - 1:
+    not_opposite = np.flatnonzero(towards >= -smallest * abs(float(wind.peak)))
+    if not not_opposite.size or not_opposite[-1] == times.size - 1:
         return np.inf
-    return max(float(times[before[-1]]), float(wind.end))
+    return max(float(times[not_opposite[-1]]), float(wind.end))
 
 
 def probe_times(start: float, stop: float, *histories: History) -> FloatArray:
@@ -200,19 +206,21 @@ def refined_maximum(
 ) -> tuple[float, float]:
     """Return the maximum of a function and its time [s], refined around the highest sample.
 
-    It is never less than the highest sample. `times`, `values`: samples of the function, ``(n,)``.
+    It is never less than the highest sample. `function`: from times ``(n,)`` [s] to values.
+    `times`, `values`: its samples, ``(n,)``, between whose neighbours the maximum lies.
     """
     i = int(np.argmax(values))
-    between = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
-    time, depth = grid_minimum(lambda t: -function(t), *between, _REFINEMENTS)
-    return max((float(values[i]), float(times[i])), (-float(depth), float(time)))
+    neighbours = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
+    time, minimum = grid_minimum(lambda t: -function(t), *neighbours, _REFINEMENTS)
+    return max((float(values[i]), float(times[i])), (-float(minimum), float(time)))
 
 
 def _last_zero(function: Function, times: FloatArray, towards: FloatArray) -> Point | None:
-    """Return the last point at which a function falls through zero; None if it does not.
+    """Return the last point at which a response falls through zero; None if it does not.
 
-    `function`: from times ``(n,)`` [s] to values. `times`: of samples [s], ``(n,)``. `towards`:
-    values of the function at these times; zeros are omitted.
+    `function`: the response or its negative, from times ``(n,)`` [s] to values. `times`: of samples
+    [s], ``(n,)``. `towards`: signed samples at these times; only their falls from positive to
+    negative count, and zeros are omitted.
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
@@ -220,8 +228,8 @@ def _last_zero(function: Function, times: FloatArray, towards: FloatArray) -> Po
     falls = np.flatnonzero((towards[:-1] > 0.0) & (towards[1:] < 0.0))
     if not falls.size:
         return None
-    ends = times[falls[-1]], times[falls[-1] + 1]
-    zero = brentq(lambda t: float(function(np.array([t]))[0]), *ends, xtol=1e-12)
+    bracket = times[falls[-1]], times[falls[-1] + 1]
+    zero = brentq(lambda t: float(function(np.array([t]))[0]), *bracket, xtol=1e-12)
     return Point(0.0, float(zero))
 
 
@@ -249,9 +257,10 @@ class Loads(Shown):
 
 
 def response_table(caption: str, extremes: Extremes, loads: Loads | None) -> Table:
-    """Return the table of extremes of a response [deg, s], with its loads where they are given.
+    """Return the table of extremes of a response [deg, s], with its peak angle of attack.
 
-    `caption`: title of the table. `loads`: None where the response does not cover the wind.
+    `caption`: title of the table. `loads`: peaks during the wind; None where the response does not
+    cover the wind.
     """
     angle = None if loads is None else Point(loads.peak_angle_of_attack, loads.peak_time)
     points = {
@@ -309,7 +318,12 @@ def wind_loads(plant: Plant, deflection: History, wind: History) -> Loads:
     )
     if not np.isfinite([angle, attitude]).all():
         raise InputError("the attitude grows beyond all numbers before the wind ends")
-    return Loads(angle, time, attitude, abs(angle / float(wind.peak)))
+    return Loads(
+        peak_angle_of_attack=angle,
+        peak_time=time,
+        peak_attitude=attitude,
+        relative=abs(angle / float(wind.peak)),
+    )
 
 
 def _output(plant: Plant, deflection: History, wind: History, name: str) -> Function:

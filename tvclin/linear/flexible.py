@@ -91,7 +91,7 @@ class FlexiblePlant(Shown, WithCoefficients):
                 'model "drift" leaves out forces that move liquid and structure; use "drift-exact"'
             )
         errors.one_of("plane", self.plane, PLANES)
-        _ = self._motions  # refuses impossible masses
+        _ = self._motions  # raises for impossible masses
 
     @classmethod
     def from_vehicle(
@@ -203,8 +203,8 @@ class FlexiblePlant(Shown, WithCoefficients):
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs; with an engine, the third is the acceleration of the deflection."""
-        swinging = () if self.structure.engine is None else ("deflection_acceleration",)
-        return (*INPUTS, *swinging)
+        engine = () if self.structure.engine is None else ("deflection_acceleration",)
+        return (*INPUTS, *engine)
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -213,14 +213,14 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states: of `Plant`, then of structure, liquids and sensors."""
+        """Names of the states: of `Plant`, of each mode and tank with its rate, and of sensors."""
         counts = {"bending": len(self.structure.bending), "slosh": len(self.structure.slosh)}
         bodies = [f"{name}_{k}" for name, count in counts.items() for k in range(1, count + 1)]
-        moving = [state for body in bodies for state in (body, f"{body}_rate")]
+        motion = [state for body in bodies for state in (body, f"{body}_rate")]
         lags = [
             f"{name}_{k}" for name, lag in self._sensors.items() for k in range(1, lag.order + 1)
         ]
-        return (*self.rigid.states, *moving, *lags)
+        return (*self.rigid.states, *motion, *lags)
 
     @cached_property
     def poles(self) -> ComplexArray:
@@ -228,7 +228,7 @@ class FlexiblePlant(Shown, WithCoefficients):
 
         The poles of the sensors are not among them.
         """
-        A, _ = self._airframe
+        A, _ = self._airframe  # without sensors
         poles = np.linalg.eigvals(A).astype(complex)
         order = np.lexsort((-poles.imag, -poles.real), axis=-1)
         return np.take_along_axis(poles, order, axis=-1)
@@ -236,24 +236,25 @@ class FlexiblePlant(Shown, WithCoefficients):
     def matrices(self) -> Matrices:
         """Return A, B, C, D with the leading axes of the batch.
 
-        The order is the same as in `states`, `inputs` and `outputs`.
+        The order is the same as in `states`, `inputs` and `outputs`. The lags of the sensors are in
+        series behind the airframe: their inputs are its sensed attitude and rate.
         """
         airframe_A, airframe_B = self._airframe
-        outputs, feedthrough = self._output_matrices(airframe_A.shape[-1])
+        airframe_C, D = self._output_matrices(airframe_A.shape[-1])
         n, count = airframe_A.shape[-1], len(self.states)
         A = np.zeros((*self.batch, count, count))
         B = np.zeros((*self.batch, count, airframe_B.shape[-1]))
         C = np.zeros((*self.batch, len(self.outputs), count))
-        A[..., :n, :n], B[..., :n, :], C[..., :n] = airframe_A, airframe_B, outputs
+        A[..., :n, :n], B[..., :n, :], C[..., :n] = airframe_A, airframe_B, airframe_C
         start = n
         for name, lag in self._sensors.items():
-            row = -2 if name == "attitude_sensor" else -1
-            columns = slice(start, start + lag.order)
+            output = -2 if name == "attitude_sensor" else -1  # sensed attitude, or its rate
+            row, states = airframe_C[..., output, :], slice(start, start + lag.order)
             a, b, c, d = lag.matrices()
-            A[..., columns, columns], A[..., columns, :n] = a, b * outputs[..., np.newaxis, row, :]
-            C[..., row, :n], C[..., row, columns] = d[..., 0] * outputs[..., row, :], c[..., 0, :]
+            A[..., states, states], A[..., states, :n] = a, b * row[..., np.newaxis, :]
+            C[..., output, :n], C[..., output, states] = d[..., 0] * row, c[..., 0, :]
             start += lag.order
-        return A, B, C, feedthrough
+        return A, B, C, D
 
     def ss(self) -> control.StateSpace:
         """Return the whole plant as `control.StateSpace` with named signals [rad, rad/s].
@@ -273,7 +274,9 @@ class FlexiblePlant(Shown, WithCoefficients):
     def shift(self) -> Shift:
         """Return the relative change of the fast pole and of the trim per wind angle [percent].
 
-        The open-loop theory rests on these two numbers of the rigid vehicle.
+        The fast pole is the fastest unstable pole; the trim is the deflection per wind angle that
+        cancels the effect of the wind on this mode. The open-loop theory has these two numbers
+        from the rigid vehicle.
 
         Raises
         ------
@@ -283,7 +286,8 @@ class FlexiblePlant(Shown, WithCoefficients):
         Notes
         -----
         With the left eigenvector l at the pole p, the deflection per wind angle is l b_wind over
-        l b_deflection; for the rigid vehicle it is B K1, eq (15b).
+        l b_deflection, b being columns of B; for the rigid vehicle it is trim B per angle of attack
+        times K1 = (p + b2)/(p + b1), eq (15b).
         """
         unstable = unstable_poles(self.rigid)
         if not unstable.shape[-1] or np.any(np.isnan(unstable[..., 0])):
@@ -293,23 +297,24 @@ class FlexiblePlant(Shown, WithCoefficients):
         rigid_pole = unstable[..., 0]  # the fastest
         A, B = self._airframe
         pole, row = left_eigenvector(A, rigid_pole)
-        coupling = np.einsum("...i,...ij->...j", row, B)
-        # inputs: deflection, wind, and with an engine delta'' = p^2 delta
-        from_deflection = coupling[..., 0] + pole**2 * coupling[..., 2:].sum(axis=-1)
+        # effects l b on the mode of deflection, wind, and with an engine delta'' = p^2 delta
+        effects = np.einsum("...i,...ij->...j", row, B)
+        from_deflection = effects[..., 0] + pole**2 * effects[..., 2:].sum(axis=-1)
         rigid_ratio = wind_over_deflection(self.rigid, rigid_pole[..., np.newaxis])[..., 0]
-        relative_trim = np.abs(coupling[..., 1] / from_deflection) / np.abs(rigid_ratio)
+        relative_trim = np.abs(effects[..., 1] / from_deflection) / np.abs(rigid_ratio)
         return Shift(
-            errors.plain(100.0 * (np.abs(pole) / np.abs(rigid_pole) - 1.0)),
-            errors.plain(100.0 * (relative_trim - 1.0)),
+            fast_pole=errors.plain(100.0 * (np.abs(pole) / np.abs(rigid_pole) - 1.0)),
+            trim_price=errors.plain(100.0 * (relative_trim - 1.0)),
         )
 
     def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
         """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
 
         `signal`: "drift_rate" [m/s] or "acceleration" [m/s^2]. `station`: position x of the
-        accelerometer ahead of the centre of gravity [m]. Same exceptions as `Plant.lateral_rows`.
-        Sensors measure the bending, with displacements phi and slopes sigma at the sensor, and a =
-        (T - F_A)/m:
+        accelerometer ahead of the centre of gravity [m]. `InputError` for a drift rate in a model
+        without flight path. Sensors measure the bending too: the sums are over the modes, with
+        amplitude eta [m], displacement phi and slope sigma [1/m] at the sensor; z'' is the
+        acceleration normal to the path, and a = (T - F_A)/m the axial one [m/s^2]:
 
             drift rate     V gamma + sum phi eta'
             acceleration   z'' + x theta'' + sum phi eta'' - a (theta + sum sigma eta)
@@ -321,28 +326,28 @@ class FlexiblePlant(Shown, WithCoefficients):
         C = np.zeros((*self.batch, len(self.states)))
         if signal == "drift_rate":
             if rigid < 3:
-                self.rigid.lateral_rows(signal, station)  # raises
-            C[..., 2] = self.vehicle.velocity
+                self.rigid.lateral_rows(signal, station)  # raises: no flight path angle
+            C[..., 2] = self.vehicle.velocity  # state 2 is the flight path angle
             for column, mode in zip(columns, modes, strict=True):
                 C[..., column + 1] = mode.drift_displacement
             return C, np.zeros((*self.batch, len(self.inputs)))
-        # displacements at the sensor of translation, rotation and modes
-        shape = (1.0, station, *(mode.accelerometer_displacement for mode in modes))
-        drive, forced = self._accelerations
+        # displacements at the sensor of translation z, rotation theta and modes
+        displacements = (1.0, station, *(mode.accelerometer_displacement for mode in modes))
+        per_state, per_input = self._accelerations
         D = np.zeros((*self.batch, len(self.inputs)))
-        for body, displacement in enumerate(shape):
+        for body, displacement in enumerate(displacements):
             factor = np.asarray(displacement)[..., np.newaxis]
-            C[..., : drive.shape[-1]] += factor * drive[..., body, :]
-            D += factor * forced[..., body, :]
+            C[..., : per_state.shape[-1]] += factor * per_state[..., body, :]
+            D += factor * per_input[..., body, :]
         axial = axial_acceleration(self.vehicle)
-        C[..., 0] -= axial
+        C[..., 0] -= axial  # state 0 is the attitude
         for column, mode in zip(columns, modes, strict=True):
             C[..., column] -= axial * mode.accelerometer_slope
         return C, D
 
     @property
     def _sensors(self) -> dict[str, Filter]:
-        """Lags of the sensors that the structure has, in the order of their states."""
+        """Lags of attitude sensor and rate gyro by name, where the structure has them."""
         lags = {name: getattr(self.structure, name) for name in ("attitude_sensor", "rate_gyro")}
         return {name: lag for name, lag in lags.items() if lag is not None}
 
@@ -353,8 +358,11 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def _positions(self) -> IndexArray:
-        """Positions of theta, of bending eta and of slosh zeta among the states, ``(k + 1,)``."""
-        rigid, bodies = len(self.rigid.states), self._motions.rate.shape[-1] - 2
+        """Positions among the states of the attitude and of the k modes and tanks, ``(k + 1,)``.
+
+        Behind the states of the rigid plant come amplitude and rate of each mode and tank.
+        """
+        rigid, bodies = len(self.rigid.states), len(self.structure.bending + self.structure.slosh)
         return np.concatenate([[0], rigid + 2 * np.arange(bodies)])
 
     @cached_property
@@ -367,19 +375,19 @@ class FlexiblePlant(Shown, WithCoefficients):
         """
         accelerations, positions = self._motions, self._positions
         rigid, bodies = len(self.rigid.states), positions.size - 1
-        # `positions`: the states theta, eta and zeta, each before its rate; state 2 is gamma
-        drive = np.zeros((*self.batch, bodies + 2, rigid + 2 * bodies))
-        drive[..., positions] = accelerations.displacement[..., 1:]
-        drive[..., positions + 1] = accelerations.rate[..., 1:]
-        drive[..., 0] += accelerations.angle_of_attack
-        if rigid > 2:
-            drive[..., 2] = -accelerations.angle_of_attack
-        forces = [
+        # `positions`: the attitude, state 0, and the amplitudes, each before its rate
+        per_state = np.zeros((*self.batch, bodies + 2, rigid + 2 * bodies))
+        per_state[..., positions] = accelerations.displacement[..., 1:]  # without the drift
+        per_state[..., positions + 1] = accelerations.rate[..., 1:]
+        per_state[..., 0] += accelerations.angle_of_attack
+        if rigid > 2:  # the model has a flight path angle gamma, state 2
+            per_state[..., 2] = -accelerations.angle_of_attack
+        per_input = [
             accelerations.deflection,
-            -accelerations.angle_of_attack,
-            accelerations.deflection_acceleration,
+            -accelerations.angle_of_attack,  # the wind
+            accelerations.deflection_acceleration,  # an input with an engine alone
         ]
-        return drive, np.stack(forces[: len(self.inputs)], axis=-1)
+        return per_state, np.stack(per_input[: len(self.inputs)], axis=-1)
 
     @cached_property
     def _airframe(self) -> tuple[FloatArray, FloatArray]:
@@ -390,39 +398,43 @@ class FlexiblePlant(Shown, WithCoefficients):
         rate. gamma' = (z'' - V' gamma)/V, with the acceleration z'' normal to the path and the rate
         V' of the speed.
         """
-        v, positions, (drive, forced) = self.vehicle, self._positions, self._accelerations
-        rigid, count = len(self.rigid.states), drive.shape[-1]
+        # per state and per input: accelerations of drift (row 0), attitude, modes and tanks
+        v, (per_state, per_input) = self.vehicle, self._accelerations
+        rigid, count = len(self.rigid.states), per_state.shape[-1]
         A = np.zeros((*self.batch, count, count))
         B = np.zeros((*self.batch, count, len(self.inputs)))
-        A[..., positions, positions + 1] = 1.0
-        A[..., positions + 1, :], B[..., positions + 1, :] = drive[..., 1:, :], forced[..., 1:, :]
+        amplitudes = self._positions  # of the attitude, modes and tanks, each before its rate
+        rates = amplitudes + 1
+        A[..., amplitudes, rates] = 1.0
+        A[..., rates, :], B[..., rates, :] = per_state[..., 1:, :], per_input[..., 1:, :]
         if rigid > 2:
             speed = np.asarray(v.velocity)
-            slowing = (axial_acceleration(v) - STANDARD_GRAVITY * np.sin(v.attitude)) / speed
-            A[..., 2, :] = drive[..., 0, :] / speed[..., np.newaxis]
-            A[..., 2, 2] -= slowing
-            B[..., 2, :] = forced[..., 0, :] / speed[..., np.newaxis]
+            acceleration = axial_acceleration(v) - STANDARD_GRAVITY * np.sin(v.attitude)  # V'
+            A[..., 2, :] = per_state[..., 0, :] / speed[..., np.newaxis]
+            A[..., 2, 2] -= acceleration / speed
+            B[..., 2, :] = per_input[..., 0, :] / speed[..., np.newaxis]
         if rigid > 3:
-            turning = np.sqrt(self.rigid.coefficients.q)
-            A[..., 2, 3], A[..., 3, 2] = turning, -turning
+            path_rate = np.sqrt(self.rigid.coefficients.q)  # g cos(Theta_n)/V [1/s]
+            A[..., 2, 3], A[..., 3, 2] = path_rate, -path_rate
         return A, B
 
     def _output_matrices(self, count: int) -> tuple[FloatArray, FloatArray]:
         """Return C and D of all outputs, before the lags of the sensors.
 
-        The last two outputs are the sensed attitude and its rate, with the slope of each mode at
-        the sensor; the one before is the angle of attack.
+        The first outputs are the states 0, 1 and, if the model has it, 2: attitude, its rate, and
+        flight path angle. The last three are the angle of attack, and the sensed attitude and rate,
+        with the slope of each mode at the sensor.
 
         `count`: number of states without sensors, the columns of C.
         """
-        rigid_outputs, rigid_states = len(self.outputs) - 3, len(self.rigid.states)
-        C = np.zeros((*self.batch, rigid_outputs + 3, count))
-        D = np.zeros((*self.batch, rigid_outputs + 3, len(self.inputs)))
-        C[..., :rigid_outputs, :rigid_outputs] = np.eye(rigid_outputs)
-        # alpha = theta - gamma - alpha_w
-        C[..., rigid_outputs, 0], D[..., rigid_outputs, 1] = 1.0, -1.0
-        if rigid_outputs > 2:
-            C[..., rigid_outputs, 2] = -1.0
+        alpha, rigid_states = len(self.outputs) - 3, len(self.rigid.states)
+        C = np.zeros((*self.batch, alpha + 3, count))
+        D = np.zeros((*self.batch, alpha + 3, len(self.inputs)))
+        C[..., :alpha, :alpha] = np.eye(alpha)
+        # row alpha: theta - gamma - alpha_w, the wind alpha_w being input 1
+        C[..., alpha, 0], D[..., alpha, 1] = 1.0, -1.0
+        if alpha > 2:
+            C[..., alpha, 2] = -1.0
         C[..., -2, 0] = C[..., -1, 1] = 1.0
         for k, mode in enumerate(self.structure.bending):
             C[..., -2, rigid_states + 2 * k] = mode.attitude_slope
@@ -441,6 +453,7 @@ def mode_tables(plant: AnyPlant) -> list[Table]:
     """
     names, poles = named_modes(plant)
     rows: list[tuple[Line, ...]] = []
+    # first the other poles, of the rigid body, without frequency and damping
     for k, pole in enumerate(p for p in plant.poles if p.imag >= 0.0 and p not in poles):
         rows.append((("" if k else "rigid body",), upper_pole(f"flexible.rigid.{k}", pole), *_NONE))
     for k, (name, pole) in enumerate(zip(names, poles, strict=True)):
@@ -528,6 +541,7 @@ def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
     if not frequencies:
         return (), np.zeros((*plant.batch, 0), dtype=complex)
     poles = np.where(plant.poles.imag > 0.0, plant.poles, np.nan)
+    # omit the pole nearest to each oscillating rigid pole, while there are more than the modes
     for rigid in np.moveaxis(plant.rigid.poles.astype(complex), -1, 0):
         distance = np.abs(poles - rigid[..., np.newaxis])
         nearest = distance <= np.nanmin(
@@ -537,6 +551,6 @@ def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
         oscillates = rigid.imag[..., np.newaxis] > 0.0
         poles = np.where(nearest & surplus & oscillates, np.nan, poles)
     order = np.argsort(np.where(np.isnan(poles), np.inf, poles.imag), axis=-1)
-    poles = np.take_along_axis(poles, order, axis=-1)[..., : len(names)]
+    poles = np.take_along_axis(poles, order, axis=-1)[..., : len(names)]  # by rising frequency
     rank = np.argsort(np.argsort(np.stack(frequencies, axis=-1), axis=-1), axis=-1)
     return names, np.take_along_axis(poles, rank, axis=-1)

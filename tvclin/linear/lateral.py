@@ -51,20 +51,24 @@ class LateralSensors:
     def states(self) -> tuple[str, ...]:
         """Names of the states of the sensors: the drift, and the lag of the accelerometer.
 
-        Around a plant with an output drift only the lag is a state.
+        The drift rate needs no state, and around a plant with an output drift only the lag is one.
         """
         return tuple(name.removeprefix("sensed_") for name in self.signals if name != DRIFT_RATE)
 
     def measurements(self, values: FloatArray) -> dict[str, Any]:
-        """Return the outputs of the sensors by their names as measurements, such as drift_rate.
+        """Return the measured values by their names drift_rate, drift and acceleration.
 
-        `values`: the outputs, ``(signals, ...)``, in the order of `signals`.
+        `values`: outputs of the sensors [m/s, m, m/s^2], ``(signals, ...)``, in the order of the
+        property `signals`, which has only what is measured.
         """
         names = (name.removeprefix("sensed_") for name in self.signals)
         return dict(zip(names, values, strict=True))
 
     def joined(self, other: LateralSensors) -> LateralSensors:
-        """Return the sensors of this law and of an `other`; `InputError` for two accelerometers."""
+        """Return sensors that measure what these or the `other` ones do.
+
+        `InputError` for accelerometers at two stations, or with two bandwidths.
+        """
         accelerometers = {
             (sensors.station, sensors.bandwidth)
             for sensors in (self, other)
@@ -75,11 +79,14 @@ class LateralSensors:
                 "laws that are flown together must have their accelerometer at one station, with"
                 " one bandwidth; fly them one after the other"
             )
+        default = self.station, self.bandwidth  # without effect, without an accelerometer
+        station, bandwidth = next(iter(accelerometers), default)
         return LateralSensors(
-            self.drift_rate or other.drift_rate,
-            self.drift or other.drift,
-            bool(accelerometers),
-            *(accelerometers.pop() if accelerometers else (self.station, self.bandwidth)),
+            drift_rate=self.drift_rate or other.drift_rate,
+            drift=self.drift or other.drift,
+            acceleration=bool(accelerometers),
+            station=station,
+            bandwidth=bandwidth,
         )
 
     def system(self, plant: AnyPlant) -> LinearSystem:
@@ -94,20 +101,21 @@ class LateralSensors:
             return system
         others = [name for name in system.outputs if name not in (DRIFT_RATE, DRIFT, ACCELERATION)]
         system = system.select(system.inputs, others)
-        blocks, raw = [], {}
+        blocks, rows = [], {}  # integral and lag; rows of C and D of signals that the plant has
         if self.drift_rate or self.drift:
-            raw[DRIFT_RATE] = plant.lateral_rows("drift_rate", self.station)
+            rows[DRIFT_RATE] = plant.lateral_rows("drift_rate", self.station)
         if self.drift and "drift" in system.outputs:
             k = system.outputs.index("drift")
-            raw[DRIFT] = system.C[..., k, :], system.D[..., k, :]
-            if np.any(raw[DRIFT][1]):
+            rows[DRIFT] = system.C[..., k, :], system.D[..., k, :]
+            if np.any(system.D[..., k, :]):
                 raise InputError("drift of the plant must not follow deflection or wind at once")
         elif self.drift:
-            blocks.append(_first_order(0.0, 1.0, DRIFT_RATE, DRIFT))
+            blocks.append(_first_order(pole=0.0, gain=1.0, input=DRIFT_RATE, output=DRIFT))
         if self.acceleration:
-            raw[_FORCE] = plant.lateral_rows("acceleration", self.station)
-            blocks.append(_first_order(-self.bandwidth, self.bandwidth, _FORCE, ACCELERATION))
-        measured = system.with_outputs(raw)
+            rows[_FORCE] = plant.lateral_rows("acceleration", self.station)
+            pole, gain = -self.bandwidth, self.bandwidth
+            blocks.append(_first_order(pole, gain, input=_FORCE, output=ACCELERATION))
+        measured = system.with_outputs(rows)
         return connect([measured, *blocks], system.inputs, (*system.outputs, *self.signals))
 
 
@@ -155,7 +163,7 @@ def lateral_plant(plant: AnyPlant, *, station: float = 0.0, position: bool = Fal
     }
     system = plant.system.with_outputs(rows)
     if position:
-        integral = _first_order(0.0, 1.0, "drift_rate", "drift")
+        integral = _first_order(pole=0.0, gain=1.0, input="drift_rate", output="drift")
         system = connect([system, integral], system.inputs, (*system.outputs, "drift"))
     return SystemPlant(system.to_control(plant.model), plant.coefficients)
 
@@ -163,7 +171,9 @@ def lateral_plant(plant: AnyPlant, *, station: float = 0.0, position: bool = Fal
 def _first_order(pole: float, gain: float, input: str, output: str) -> LinearSystem:
     """Return the system x' = pole x + gain u with the output x.
 
-    `pole`, `gain`: in 1/s. `input`, `output`: names of u and x.
+    `pole`, `gain`: in 1/s. `input`, `output`: names of u and x; the name of x as a state is that of
+    the output without "sensed_".
     """
     A, B, C, D = (np.array([[value]]) for value in (pole, gain, 1.0, 0.0))
-    return LinearSystem(A, B, C, D, (input,), (output,), (output.removeprefix("sensed_"),))
+    state = output.removeprefix("sensed_")
+    return LinearSystem(A, B, C, D, inputs=(input,), outputs=(output,), states=(state,))

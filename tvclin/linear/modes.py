@@ -121,7 +121,7 @@ def select_unstable(all_modes: AnyArray) -> AnyArray:
 
     `all_modes`: all poles by falling real part. NaN where a case has fewer, and real where all are.
     """
-    unstable = is_unstable(all_modes)
+    unstable = is_unstable(all_modes)  # in each case the first of its poles
     count = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))
     poles = np.where(unstable[..., :count], all_modes[..., :count], np.nan)
     if np.iscomplexobj(poles) and np.all(np.imag(poles) == 0.0):
@@ -141,17 +141,14 @@ def separated_poles(poles: AnyArray) -> AnyArray:
     separated = np.array(poles)
     for i in range(poles.shape[-1] - 1):
         first, second = separated[..., i], separated[..., i + 1]
-        middle = np.real(0.5 * (first + second))
-        repeated = np.abs(first - second) < _REPEATED_POLE_DISTANCE * middle
+        mean = np.real(0.5 * (first + second))
+        repeated = np.abs(first - second) < _REPEATED_POLE_DISTANCE * mean
         for k, sign in ((i, 1.0), (i + 1, -1.0)):
             separated[..., k] = np.where(
-                repeated, middle * (1.0 + sign * _REPEATED_POLE_DISTANCE / 2.0), separated[..., k]
+                repeated, mean * (1.0 + sign * _REPEATED_POLE_DISTANCE / 2.0), separated[..., k]
             )
-    return (
-        np.real(separated)
-        if np.all((np.imag(separated) == 0.0) | np.isnan(separated))
-        else separated
-    )
+    all_real = np.all((np.imag(separated) == 0.0) | np.isnan(separated))
+    return np.real(separated) if all_real else separated
 
 
 def left_eigenvectors(A: AnyArray) -> tuple[AnyArray, AnyArray]:
@@ -192,7 +189,7 @@ def wind_over_deflection(plant: Plant, poles: AnyArray) -> AnyArray:
 def poles_text(poles: AnyArray) -> str:
     """Return a text on the unstable poles of one plant: number of real ones, and each pair.
 
-    `poles`: [1/s], ``(N,)``.
+    `poles`: the unstable poles [1/s], ``(N,)``. "none" without any.
     """
     upper = poles[np.imag(poles) > 0.0]
     real = int(np.sum(np.imag(poles) == 0.0))
@@ -201,16 +198,17 @@ def poles_text(poles: AnyArray) -> str:
 
 
 def _with_residues(plant: Plant, poles: AnyArray) -> Modes:
-    """Return the modes of a plant at `poles` ``(..., N)`` [1/s]: N(p)/D'(p) for each input.
+    """Return the modes of a plant at `poles` ``(..., N)`` [1/s], with the residues N(p)/D'(p).
 
-    NaN at a repeated pole.
+    N are the numerators of the attitude from deflection and wind, D its denominator, whose slope
+    D'(p) is zero at a repeated pole: the residues are NaN there.
     """
-    *values, slope = plant.attitude_fractions(poles)
+    *numerators, slope = plant.attitude_fractions(poles)
     simple = slope != 0.0
     divisor = np.where(simple, slope, 1.0)
     with np.errstate(invalid="ignore"):  # complex NaN: missing pole
-        at_poles = [np.where(simple, value / divisor, np.nan) for value in values]
-    return Modes(poles, *at_poles)
+        residues = [np.where(simple, value / divisor, np.nan) for value in numerators]
+    return Modes(poles, *residues)
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,21 +258,21 @@ class FinalMotion:
     oscillates: Any
 
     def __str__(self) -> str:
-        """Return the motion in words, such as "a ramp of 0.1 deg/s"."""
+        """Return the motion as text, such as "a ramp of 0.1 deg/s"; of a batch the first case."""
         times = (f"{time:.4g} s" for time in np.ravel(self.e_folding_times) if np.isfinite(time))
         distinct = [*dict.fromkeys(times)]
         texts = [f"a growing mode with an e-folding time of {time}" for time in distinct[:1]]
         if distinct[1:]:
             texts = [f"growing modes with e-folding times of {' and '.join(distinct)}"]
-        ramps, errors = (
+        rates, offsets = (
             np.degrees(array[np.isfinite(array) & (array != 0.0)])
             for array in (self.rate, self.offset)
         )
-        if ramps.size:
-            texts.append(f"a ramp of {ramps[0]:.4g} deg/s")
-        elif errors.size:
-            texts.append(f"a constant attitude error of {errors[0]:.4g} deg")
-        if np.any(np.isnan(self.rate)):
+        if rates.size:
+            texts.append(f"a ramp of {rates[0]:.4g} deg/s")
+        elif offsets.size:
+            texts.append(f"a constant attitude error of {offsets[0]:.4g} deg")
+        if np.any(np.isnan(self.rate)):  # several poles at zero
             texts.append("what several poles at zero make of the deflection")
         if np.any(self.oscillates):
             texts.append("an undamped oscillation")
@@ -299,7 +297,7 @@ def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
     """
     modes = unstable_modes(plant)
     values, _, start = _at_poles(modes, deflection, wind)
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore"):  # from the start of the inputs [s] to t = 0
         return values * np.exp(-modes.poles * start[..., np.newaxis])
 
 
@@ -323,11 +321,14 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
     with np.errstate(invalid="ignore"):
         e_folding = np.where(zero, np.nan, 1.0 / np.real(modes.poles))
     offset, rate = _final_attitude(plant, deflection, wind)
+    # undamped: a real part that is zero to rounding, relative to the largest pole
+    size = np.abs(plant.poles).max(axis=-1, keepdims=True)
+    undamped = (np.abs(plant.poles.real) <= MARGINAL * size) & (plant.poles.imag != 0.0)
     return Verdict(
-        bool(stable) if stable.ndim == 0 else stable,
-        values,
-        np.broadcast_to(tolerance, values.shape),
-        FinalMotion(offset, rate, e_folding, _oscillates(plant)),
+        stable=bool(stable) if stable.ndim == 0 else stable,
+        residues=values,
+        tolerance=np.broadcast_to(tolerance, values.shape),
+        final_motion=FinalMotion(offset, rate, e_folding, oscillates=np.any(undamped, axis=-1)),
     )
 
 
@@ -349,14 +350,14 @@ def _at_poles(
 ) -> tuple[AnyArray, FloatArray, FloatArray]:
     """Return the residues [rad], their rounding errors [rad], and the start of the inputs [s].
 
-    Residues and errors are ``(..., N)``, at the N poles of `modes`, NaN at a pole that is NaN.
-    `deflection`, `wind`: the inputs [rad]. The time of the residues is counted from the start of
-    the inputs, so that they neither vanish for a late wind nor overflow for an early one; times
-    e^(-p start) they are the flight's.
+    Residues and errors are ``(..., N)``, at the N poles of `modes`, NaN at a pole that is NaN; the
+    start is ``(...)``. `deflection`, `wind`: the inputs [rad]. The time of the residues is counted
+    from the start of the inputs, so that they neither vanish for a late wind nor overflow for an
+    early one; multiplied by e^(-p start) they are those with time counted from t = 0.
     """
     instance("deflection", deflection, History, "such as ConstantDeflection")
     instance("wind", wind, History, "such as TriangularWind")
-    start = np.minimum(deflection.knots[..., 0], wind.knots[..., 0])
+    start = np.minimum(deflection.knots[..., 0], wind.knots[..., 0])  # first breakpoint
     gains = (modes.deflection_residues, modes.wind_residues)
     pieces = (deflection.pieces, wind.pieces)
     return (*residues_of_pieces(modes.poles, gains, pieces, start), start)
@@ -374,41 +375,35 @@ def _final_attitude(
     inputs [rad].
     """
     denominator, *numerators = plant.low_order_terms()
-    last = denominator[..., -1]
-    marginal = last == 0.0  # a pole at zero
-    repeated = marginal & (denominator[..., -2] == 0.0)
-    slope = np.where(repeated, np.nan, np.where(marginal, denominator[..., -2], 1.0))
+    static, slope = denominator[..., -1], denominator[..., -2]  # D = .. + slope s + static
+    marginal = static == 0.0  # a pole at zero
+    repeated = marginal & (slope == 0.0)
+    slope = np.where(repeated, np.nan, np.where(marginal, slope, 1.0))
+    # coefficients of 1/s and s^0 in the transform of D times the attitude, for each input
     orders = [_low_order_terms(*pair) for pair in zip(numerators, (deflection, wind), strict=True)]
-    constant, total = (first + second for first, second in zip(*orders, strict=True))
-    rate = np.where(marginal, constant / slope, 0.0)
-    drifted = np.where(rate == 0.0, total / slope, np.nan)
-    return np.where(marginal, drifted, constant / np.where(marginal, 1.0, last)), rate
+    first_order, zeroth_order = (
+        by_delta + by_wind for by_delta, by_wind in zip(*orders, strict=True)
+    )
+    rate = np.where(marginal, first_order / slope, 0.0)
+    integrated = np.where(rate == 0.0, zeroth_order / slope, np.nan)
+    return np.where(marginal, integrated, first_order / np.where(marginal, 1.0, static)), rate
 
 
 def _low_order_terms(numerator: FloatArray, history: History) -> tuple[FloatArray, FloatArray]:
-    """Return the terms with 1/s and with s^0 of a numerator times the transform of a history.
+    """Return the coefficients of 1/s and s^0 of a numerator times the transform of a history.
 
     `numerator`: highest power first, ``(..., k)``. A history that does not decay is its final value
     from t = 0 on, plus a remainder: its transform is final value/s + area + ..., the area [rad s]
     being the integral of the remainder.
     """
-    pieces, end = history.pieces, history.final_value
+    pieces, final = history.pieces, history.final_value
+    # the constant, power 0 of rate 0 in the last piece (pieces, rates, powers), ends in the final
+    # value; without it, the transform at s = 0 is the integral
     constant = np.zeros(pieces.coefficients.shape[-3:], dtype=bool)
     constant[-1, :, 0] = True
     constant = constant & (pieces.rates == 0.0)[..., np.newaxis, :, np.newaxis]
     remainder = replace(pieces, coefficients=np.where(constant, 0.0, pieces.coefficients))
     slope = numerator[..., -2] if numerator.shape[-1] > 1 else 0.0
     with np.errstate(invalid="ignore"):  # a history without a final value
-        area = Piecewise(remainder).laplace(0.0) - end * pieces.knots[..., -1]
-        return numerator[..., -1] * end, numerator[..., -1] * area + slope * end
-
-
-def _oscillates(plant: Plant) -> Any:
-    """Return whether a plant has an undamped oscillation, ``(...)``.
-
-    A pole pair whose real part is zero to rounding, relative to the largest pole.
-    """
-    poles = plant.poles
-    size = np.abs(poles).max(axis=-1, keepdims=True)
-    undamped = (np.abs(np.real(poles)) <= MARGINAL * size) & (np.imag(poles) != 0.0)
-    return np.any(undamped, axis=-1)
+        area = Piecewise(remainder).laplace(0.0) - final * pieces.knots[..., -1]
+        return numerator[..., -1] * final, numerator[..., -1] * area + slope * final

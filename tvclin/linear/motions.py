@@ -51,27 +51,29 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
 
     From M q'' + C q' + K q = forces of the amplitudes q: translation, rotation, bending modes and
     liquids. The air acts at the centre of pressure, with N [N/rad] times the displacement of each
-    motion there. Their batches broadcast. `InputError` where the mass matrix is not positive
+    motion there. Batches of both broadcast. `InputError` where the mass matrix is not positive
     definite, and for a pendulum without a positive axial acceleration.
     """
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
-    rows = _AmplitudeRows(shape, 2 + len(structure.bending), len(structure.slosh))
+    rows = _AmplitudeRows(shape, bodies=2 + len(structure.bending), tanks=len(structure.slosh))
     mass, damping, stiffness = _mass_damping_stiffness(vehicle, structure, rows)
     deflection, engine_forces = _engine_forces(vehicle, structure, rows, mass)
     modes = structure.bending
     displacements = rows.of(1.0, vehicle.aerodynamic_arm, *(b.pressure_displacement for b in modes))
     aerodynamic_forces = rows.of(vehicle.normal_force_slope)[..., :1] * displacements
     forces = [force[..., np.newaxis] for force in (deflection, engine_forces, aerodynamic_forces)]
-    scale = _diagonal_scaling(mass)[..., np.newaxis]
+    scale = _diagonal_scaling(mass)[..., np.newaxis]  # S: (S M S) x = S f, q'' = S x
     right_hand_side = scale * np.concatenate([-stiffness, -damping, *forces], axis=-1)
     accelerations = scale * np.linalg.solve(
         scale * mass * np.swapaxes(scale, -1, -2), right_hand_side
     )
     n = mass.shape[-1]
     return Motions(
-        accelerations[..., :n],
-        accelerations[..., n : 2 * n],
-        *(accelerations[..., 2 * n + k] for k in range(3)),
+        displacement=accelerations[..., :n],
+        rate=accelerations[..., n : 2 * n],
+        deflection=accelerations[..., 2 * n],
+        deflection_acceleration=accelerations[..., 2 * n + 1],
+        angle_of_attack=accelerations[..., 2 * n + 2],
     )
 
 
@@ -88,7 +90,10 @@ class _AmplitudeRows:
     tanks: int
 
     def of(self, *values: Any) -> FloatArray:
-        """Return the row ``(..., n)`` that begins with these values and continues with zeros."""
+        """Return the row ``(..., n)`` of numbers, one for each motion; the last may be omitted.
+
+        `values`: of translation, rotation, bending modes, then liquids; omitted ones are zero.
+        """
         row = np.zeros((*self.batch, self.bodies + self.tanks))
         for k, value in enumerate(values):
             row[..., k] = value
@@ -100,8 +105,9 @@ def _mass_damping_stiffness(
 ) -> tuple[FloatArray, ...]:
     """Return the matrices M, C and K of the amplitudes, ``(..., n, n)``, K with the axial forces.
 
-    In M a liquid of mass m_j shares the motion of its station, m_j phi_b; in K its weight under the
-    axial acceleration a turns the vehicle, -m_j a sigma_b, and the axial forces turn with the body.
+    In M a liquid j of mass m_j shares the motion of its station, m_j phi_b, with the displacement
+    phi_b there of the motion b; in K its weight under the axial acceleration a turns the vehicle,
+    -m_j a sigma_b, with the slope sigma_b there, and the axial forces turn with the body.
 
     `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes: translation,
     rotation, bending modes and liquids.
@@ -130,9 +136,10 @@ def _mass_damping_stiffness(
         )
         sigma = rows.of(0.0, 1.0, *(_tank_value(mode.tank_slopes, k) for mode in modes))
         for matrix, factor, row in ((mass, tank.mass, phi), (stiffness, -tank.mass * a, sigma)):
-            shared = rows.of(*(factor * row[..., b] for b in range(bodies)))[..., :bodies]
-            matrix[..., :bodies, bodies + k] = matrix[..., bodies + k, :bodies] = shared
-    # The body axis turns T - F_A; a following thrust turns with the bent gimbal, and acts there.
+            coupling = rows.of(*(factor * row[..., b] for b in range(bodies)))[..., :bodies]
+            matrix[..., :bodies, bodies + k] = matrix[..., bodies + k, :bodies] = coupling
+    # Forces on translation 0 and moments on rotation 1: the body axis turns T - F_A; a following
+    # thrust turns with the bent gimbal, and acts there.
     stiffness[..., 0, 1] -= v.thrust - v.axial_force
     for b, mode in enumerate(modes if structure.thrust_follows else (), start=2):
         moment_arm = v.control_arm * mode.gimbal_slope + mode.gimbal_displacement
@@ -144,15 +151,16 @@ def _mass_damping_stiffness(
 def _engine_forces(
     v: Vehicle, structure: Structure, rows: _AmplitudeRows, mass: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the forces per deflection and per its second derivative, at x = -l_c, ``(..., n)``.
+    """Return the forces per deflection and per its second derivative, ``(..., n)`` each.
 
     T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta, on the motion b with
     displacement phi_b and slope sigma_b at the gimbal: T_c control force per angle [N/rad], a axial
     acceleration, s_E = m_E l_E static moment and J_E = I_E + m_E l_E^2 inertia of the engine about
     the gimbal. `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes. `mass`:
-    M, ``(..., n, n)``, which is checked together with the inertia of the engine.
+    mass matrix, ``(..., n, n)``; `InputError` unless it is positive definite with the engine's.
     """
     modes, engine = structure.bending, structure.engine
+    # of translation, rotation about the centre of gravity, the control arm ahead, and modes
     phi = [1.0, -v.control_arm, *(mode.gimbal_displacement for mode in modes)]
     sigma = [0.0, 1.0, *(mode.gimbal_slope for mode in modes)]
     deflection = rows.of(*(v.control_force * displacement for displacement in phi))
@@ -164,7 +172,7 @@ def _engine_forces(
     inertia_forces = rows.of(
         *(s * displacement - J * slope for displacement, slope in zip(phi, sigma, strict=True))
     )
-    # The kinetic energy of vehicle and engine, with delta' as a motion of its own.
+    # the mass matrix of vehicle and engine, delta being one more motion: checked, not returned
     coupling = inertia_forces[..., np.newaxis]
     inertia = rows.of(J)[..., :1, np.newaxis]
     _diagonal_scaling(np.block([[mass, -coupling], [-np.swapaxes(coupling, -1, -2), inertia]]))
@@ -172,7 +180,7 @@ def _engine_forces(
 
 
 def _tank_value(values: tuple[Any, ...], k: int) -> Any:
-    """Return element k of the values of a mode by tank; zero for a mode without values."""
+    """Return displacement or slope of a mode at tank k, of its `values` by tank; zero without."""
     return values[k] if values else 0.0
 
 
@@ -197,7 +205,7 @@ def _diagonal_scaling(mass: FloatArray) -> FloatArray:
     `mass`: M, ``(..., n, n)``. `InputError` for one that is not positive definite.
     """
     diagonal = np.diagonal(mass, axis1=-2, axis2=-1)
-    scale = 2.0 ** -np.round(0.5 * np.log2(diagonal))
+    scale = 2.0 ** -np.round(0.5 * np.log2(diagonal))  # of both rows and columns
     eigenvalues = np.linalg.eigvalsh(scale[..., :, np.newaxis] * mass * scale[..., np.newaxis, :])
     if np.any(eigenvalues <= _MIN_MASS_EIGENVALUE):
         raise InputError(

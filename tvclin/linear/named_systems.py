@@ -39,7 +39,7 @@ def named_system(
 ) -> LinearSystem:
     """Return a system of python-control as `LinearSystem`, with its sample time as `period`.
 
-    `name`: of the argument, for messages. `system`: the system, or one that is a `LinearSystem`.
+    `name`: of the system in messages. `system`: of python-control, or already a `LinearSystem`.
     `inputs`, `outputs`: names of the signals, in place of the system's. `InputError` for another
     type, numbers that are not finite, sizes that do not fit, names that are repeated, an improper
     transfer function, and an unspecified sample time.
@@ -47,7 +47,7 @@ def named_system(
     if isinstance(system, LinearSystem):
         matrices: tuple[FloatArray, ...] = system.matrices()
         period = system.period
-        signals, states = [system.inputs, system.outputs], system.states
+        names, states = {"inputs": system.inputs, "outputs": system.outputs}, system.states
     else:
         import control
 
@@ -61,16 +61,13 @@ def named_system(
         matrices = (
             (system.A, system.B, system.C, system.D) if is_ss else _observer_form(name, system)
         )
-        signals = [tuple(system.input_labels), tuple(system.output_labels)]
+        names = {"inputs": tuple(system.input_labels), "outputs": tuple(system.output_labels)}
         count = len(matrices[0])
         states = tuple(system.state_labels) if is_ss else tuple(f"x_{k}" for k in range(count))
-    chosen = [
-        names if signals_given is None else _names(f"{kind} of {name}", signals_given, len(names))
-        for kind, signals_given, names in zip(
-            ("inputs", "outputs"), (inputs, outputs), signals, strict=True
-        )
-    ]
-    return checked_system(name, matrices, chosen[0], chosen[1], states, period)
+    for kind, replacement in (("inputs", inputs), ("outputs", outputs)):
+        if replacement is not None:
+            names[kind] = _names(f"{kind} of {name}", replacement, len(names[kind]))
+    return checked_system(name, matrices, **names, states=states, period=period)
 
 
 def checked_system(
@@ -123,9 +120,10 @@ def require_signals(
 
 
 def eigenvectors(A: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Return eigenvalues ``(..., n)`` by falling real part, left rows and right columns.
+    """Return eigenvalues p ``(..., n)`` by falling real part, left rows and right columns.
 
-    `A`: ``(..., n, n)``; so are the rows l A = p l and the columns A r = p r.
+    `A`: ``(..., n, n)``. Rows l of l A = p l and columns r of A r = p r, ``(..., n, n)`` each, have
+    length one.
     """
     from scipy.linalg import eig  # late: it takes 0.1 s to import
 
@@ -146,22 +144,25 @@ def check_hidden_modes(
     modes: tuple[ComplexArray, ComplexArray, ComplexArray],
     B: FloatArray,
     C: FloatArray,
-    words: tuple[str, str],
+    faults: tuple[str, str],
     period: FloatArray | None = None,
 ) -> None:
     """Raise `InputError` for an unstable mode that no input reaches, or that is in no output.
 
-    `name`: of the system in the message. `modes`: the `eigenvectors` of A. `B`, `C`: of the inputs
-    ``(..., n, m)`` and outputs ``(..., p, n)``. `words`: end of the message for a mode that no
-    input reaches, and for one in no output. `period`: sample time [s]; None in continuous time.
+    `name`: of the system in the message. `modes`: eigenvalues [1/s, or z], left rows and right
+    columns of A, from `eigenvectors`. `B`, `C`: matrices of the inputs ``(..., n, m)`` and outputs
+    ``(..., p, n)``. `faults`: ends of the message, as "the deflection does not reach", for a mode
+    that no input reaches, and for one in no output. `period`: sample time [s]; None in continuous
+    time.
     """
     poles, left, right = modes
     if not poles.size:
         return
     unstable = is_unstable(poles) if period is None else np.abs(poles) > 1.0 + _ON_CIRCLE
+    not_reached, not_shown = faults
     for rows, columns, fault in (
-        (left, B, words[0]),
-        (np.swapaxes(right, -1, -2), np.swapaxes(C, -1, -2), words[1]),
+        (left, B, not_reached),
+        (np.swapaxes(right, -1, -2), np.swapaxes(C, -1, -2), not_shown),
     ):
         # of each mode with all inputs, or all outputs; the eigenvectors have length one
         products = np.linalg.norm(rows @ columns, axis=-1)
@@ -206,6 +207,7 @@ def _observer_form(name: str, system: control.TransferFunction) -> tuple[FloatAr
     `name`: of the system in the message. `InputError` for an improper transfer function, and for
     outputs that do not share the states of one system.
     """
+    # numerator and denominator of output i from input j, without leading zeros
     rows = [
         [
             [np.trim_zeros(np.atleast_1d(p[i][j]), "f") for p in (system.num, system.den)]
@@ -221,12 +223,11 @@ def _observer_form(name: str, system: control.TransferFunction) -> tuple[FloatAr
                     f" denominator of degree {denominator.size - 1}"
                 )
     A, B, C, D = _row_form(rows[0])
-    outputs, direct = [C], [D]
     for row in rows[1:]:
-        A_k, B_k, C_k, D_k = _row_form(row)
-        outputs.append(_same_states(name, (A, B), (A_k, B_k, C_k)))
-        direct.append(D_k)
-    return A, B, np.vstack(outputs), np.vstack(direct)
+        *output_form, D_k = _row_form(row)
+        C = np.vstack([C, _same_states(name, (A, B), output_form)])
+        D = np.vstack([D, D_k])
+    return A, B, C, D
 
 
 def _row_form(row: list[list[FloatArray]]) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -237,7 +238,7 @@ def _row_form(row: list[list[FloatArray]]) -> tuple[FloatArray, FloatArray, Floa
 
     `row`: numerator and denominator from each input, coefficients with the highest power first.
     """
-    normalised = [(N / D[0], D / D[0]) for N, D in row]
+    normalised = [(num / den[0], den / den[0]) for num, den in row]
     different: list[FloatArray] = []
     for _, denominator in normalised:
         if not any(np.array_equal(denominator, polynomial) for polynomial in different):
@@ -261,25 +262,26 @@ def _row_form(row: list[list[FloatArray]]) -> tuple[FloatArray, FloatArray, Floa
 
 
 def _same_states(
-    name: str, states: tuple[FloatArray, FloatArray], observer_form: tuple[FloatArray, ...]
+    name: str, states: tuple[FloatArray, FloatArray], output_form: list[FloatArray]
 ) -> FloatArray:
     """Return the row of C ``(1, n)`` of an output on the states of the first output.
 
-    `name`: of the system in the message. `states`: A and B of the first output. `observer_form`: A,
-    B and C of this output alone. The row follows from equal Markov parameters C A^k B; `InputError`
-    where no row gives them.
+    `name`: of the system in the message. `states`: A and B of the first output. `output_form`: A, B
+    and C of this output alone. The row c follows from equal Markov parameters, c A^k B of the first
+    system and C A^k B of the second, by least squares; `InputError` where no row gives them.
     """
-    (A, B), (A_k, B_k, C_k) = states, observer_form
-    count = len(A) + len(A_k)  # Markov parameters that decide: of two systems with these states
-    reach, response = [B], [C_k @ B_k]
+    (A, B), (A_k, B_k, C_k) = states, output_form
+    count = len(A) + len(A_k)  # that many equal parameters make two systems of these orders equal
+    controllability, markov = [B], [C_k @ B_k]
     for _ in range(count - 1):
-        reach.append(A @ reach[-1])
+        controllability.append(A @ controllability[-1])
         B_k = A_k @ B_k
-        response.append(C_k @ B_k)
-    left, right = np.hstack(reach), np.hstack(response)
+        markov.append(C_k @ B_k)
+    left, right = np.hstack(controllability), np.hstack(markov)  # row @ left = right
     scale = np.abs(left).max(axis=0, initial=0.0)
     scale = np.where(scale > 0.0, scale, 1.0)
-    row = np.linalg.lstsq((left / scale).T, (right / scale).T, rcond=None)[0].T
+    row, *_ = np.linalg.lstsq((left / scale).T, (right / scale).T, rcond=None)
+    row = row.T
     error = np.abs((row @ left - right) / scale).max(initial=0.0)
     if not error <= _RELATIVE_RESIDUAL * np.abs(right / scale).max(initial=0.0):
         raise InputError(

@@ -50,7 +50,7 @@ _OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
 
 
 def available_models(coefficients: Coefficients) -> list[str]:
-    """Return the models that exist for coefficients: (B8) needs an aerodynamic moment."""
+    """Return names of the models that exist for coefficients: "drift" only with mu_alpha."""
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
     return [name for name in MODELS if name != "drift" or not without_moment]
@@ -71,12 +71,15 @@ def default_model(vehicle: AnyVehicle | Coefficients) -> str:
 
 
 def flexible_model(structure: object, model: str) -> str:
-    """Return the model of a vehicle: "drift" becomes "drift-exact" with a structure."""
+    """Return the `model` by name, but "drift-exact" in place of "drift" with a structure.
+
+    `structure`: of the vehicle; None for a rigid one.
+    """
     return DEFAULT_MODEL if model == "drift" and structure is not None else model
 
 
 def models_of(vehicle: AnyVehicle) -> list[str]:
-    """Return the models that exist for the known data of a vehicle."""
+    """Return names of the models that exist for the known data of a vehicle, linear or whole."""
     if isinstance(vehicle, LinearVehicle) and not vehicle.path_known:
         return [FIXED_PATH]
     return available_models(coefficients_of(vehicle))
@@ -98,7 +101,7 @@ class WithCoefficients(Hinted):
 
     @property
     def coordinate_scale(self) -> Any:
-        """Deflection that counts as one for the recoverable coordinates of flights: B."""
+        """Trim deflection B per angle of attack, by which flights scale unstable components."""
         return self.coefficients.B
 
     @property
@@ -136,7 +139,7 @@ class Plant(WithCoefficients):
 
     @classmethod
     def from_coefficients(cls, coefficients: Coefficients, model: str | None = None) -> Self:
-        """Return the plant of a model, eq (5), (B8), (B7) or its fourth-order parent.
+        """Return the plant of coefficients and a model by name, see `Plant`.
 
         The default model is `default_model(coefficients)`.
         """
@@ -241,18 +244,17 @@ class Plant(WithCoefficients):
         """Characteristic polynomial, ``(..., order + 1)``, highest power first.
 
         Of the coefficients mu_alpha = beta^2 [1/s^2], damping d [1/s], C1 [1/s] and C2 [1/s^3] of
-        eq (B7), and the gravity term q = (g cos(Theta_n)/V_n)^2 [1/s^2], as in the table at the
-        head of this file.
+        eq (B7), and the gravity term q = (g cos(Theta_n)/V_n)^2 [1/s^2].
         """
         c, d = self.coefficients, self.coefficients.damping
         stiffness = c.C1 * d - c.mu_alpha
-        last = {
+        polynomials_by_model = {
             "fixed-path": (1.0, d, -c.mu_alpha),
             "drift": (1.0, d, -c.mu_alpha, 0.0),
             "drift-exact": (1.0, c.C1 + d, stiffness, c.C2),
             "drift-and-speed": (1.0, c.C1 + d, c.q + stiffness, c.C2 + c.q * d, -c.q * c.mu_alpha),
         }
-        return self._stack(last[self.model])
+        return self._stack(polynomials_by_model[self.model])
 
     def numerator(self, output: str, input: str) -> FloatArray:
         """Return the numerator from `input` to `output`, over the common denominator.
@@ -281,6 +283,7 @@ class Plant(WithCoefficients):
             return polynomials.times_variable(self._attitude(input))
         if output == "flight_path_angle":
             return self._flight_path(input)
+        # angle of attack = attitude - flight path angle - wind
         angle = self._attitude(input)
         if self.model != "fixed-path":
             angle = polynomials.add(angle, -self._flight_path(input))
@@ -295,6 +298,8 @@ class Plant(WithCoefficients):
 
     def attitude_fractions(self, poles: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Return N_deflection(p), N_wind(p) of the attitude and D'(p) at poles, each ``(..., N)``.
+
+        N are the numerators, from deflection and wind, and D' is the slope of the denominator.
 
         Parameters
         ----------
@@ -311,33 +316,38 @@ class Plant(WithCoefficients):
         """Return D, N_deflection and N_wind of the attitude without a common zero at s = 0.
 
         D is the denominator, N the numerators, ``(..., k)`` each, highest power of s first. Where s
-        divides all of them (in yaw) they are divided by it: the last coefficient, which is zero,
-        moves to the front.
+        divides all of them (as for "drift-and-speed" in yaw) they are divided by it: the last
+        coefficient, which is zero, moves to the front.
         """
         terms = [self.denominator, *(self.numerator("attitude", i) for i in INPUTS)]
         common = np.all([term[..., -1] == 0.0 for term in terms], axis=0)
-        return [np.where(common[..., None], np.roll(term, 1, axis=-1), term) for term in terms]
+        common = common[..., np.newaxis]
+        return [np.where(common, np.roll(term, 1, axis=-1), term) for term in terms]
 
     @property
     def direct_terms(self) -> FloatArray | None:
-        """None; a `SystemPlant` has direct terms of its outputs, which its `modal` omits."""
+        """None: `modal` has all of the outputs; a `SystemPlant` adds D times its inputs to it."""
         return None
 
     @cached_property
     def modal(self) -> ModalSystem:
-        """Sum of modes of the plant; invalid where poles are repeated."""
+        """Plant as a sum of modes e^(p t); gains are NaN where poles are repeated.
+
+        The gains are residues of the attitude; the outputs of a mode are per attitude.
+        """
         poles = polynomials.roots(self.denominator)
-        slope = polynomials.value(polynomials.derivative(self.denominator), poles)
+        *numerators, slope = self.attitude_fractions(poles)
         slope = np.where(slope == 0.0, np.nan, slope)
-        numerators = [self.numerator("attitude", name) for name in INPUTS]
-        gains = [polynomials.value(numerator, poles) / slope for numerator in numerators]
-        rows = [np.ones_like(poles), poles]
+        gains = [numerator / slope for numerator in numerators]
+        outputs = [np.ones_like(poles), poles]  # attitude and its rate
         if "flight_path_angle" in self.outputs:
-            share = self.path_per_attitude(poles)
-            rows += [share, 1.0 - share]
+            path = self.path_per_attitude(poles)
+            outputs += [path, 1.0 - path]  # and the angle of attack, but for the wind
         else:
-            rows.append(rows[0])
-        return ModalSystem(poles, np.stack(gains, axis=-1), np.stack(rows, axis=-1))
+            outputs.append(outputs[0])
+        return ModalSystem(
+            poles, gains=np.stack(gains, axis=-1), outputs=np.stack(outputs, axis=-1)
+        )
 
     @property
     def trim_filter(self) -> tuple[Any, Any, Any]:
@@ -382,7 +392,7 @@ class Plant(WithCoefficients):
         return control.TransferFunction(
             numerator if numerator.size else [0.0],
             self.denominator,
-            0,
+            dt=0,  # continuous
             name=f"{self.model}: {input} to {output}",
             inputs=[input],
             outputs=[output],
@@ -430,9 +440,9 @@ class Plant(WithCoefficients):
         if signal == "drift_rate":
             return speed * C[..., 2, :], speed * D[..., 2, :]  # output 2: flight path angle
         # N/m and T_c/m [m/s^2]; state 1 is the attitude rate, output -1 alpha, input 0 delta
-        normal, lateral = (speed * force for force in self._normal_forces)
+        normal, control = (speed * force for force in self._normal_forces)
         direct = normal * D[..., -1, :] + station * B[..., 1, :]
-        direct[..., 0] += lateral[..., 0]
+        direct[..., 0] += control[..., 0]
         return normal * C[..., -1, :] + station * A[..., 1, :], direct
 
     def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
@@ -447,12 +457,13 @@ class Plant(WithCoefficients):
         speed = self._velocity(signal)
         if signal == "drift_rate":
             return speed * self.numerator("flight_path_angle", input)
-        normal, lateral = (speed * force for force in self._normal_forces)  # N/m, T_c/m [m/s^2]
-        turning = polynomials.times_variable(self._attitude(input), 2)  # theta'' = s^2 theta
+        # (N alpha + T_c delta)/m + x theta'', with theta'' = s^2 theta; N/m and T_c/m in m/s^2
+        normal, control = (speed * force for force in self._normal_forces)
         forces = normal * self.numerator("angle_of_attack", input)
         if input == "deflection":
-            forces = polynomials.add(forces, lateral * self.denominator)
-        return polynomials.add(forces, station * turning)
+            forces = polynomials.add(forces, control * self.denominator)
+        rotation = polynomials.times_variable(self._attitude(input), 2)
+        return polynomials.add(forces, station * rotation)
 
     def _velocity(self, signal: str) -> FloatArray:
         """Return the speed [m/s], ``(..., 1)``; `InputError` where a lateral signal is unknown.
@@ -477,8 +488,9 @@ class Plant(WithCoefficients):
     def _normal_forces(self) -> tuple[FloatArray, FloatArray]:
         """N/(m V) and T_c/(m V) [1/s], ``(..., 1)``: forces normal to the body per angle.
 
-        N is the normal force per angle of attack and T_c the thrust that turns, both [N/rad]. From
-        the coefficients of eq (B7): N/(m V) = C1 - b2, and T_c/(m V) = (b1 - C1)/B.
+        N is the normal force per angle of attack and T_c the control force per deflection, both in
+        N/rad, m the mass and V the speed. From the coefficients of eq (B7): N/(m V) = C1 - b2, and
+        T_c/(m V) = (b1 - C1)/B. `InputError` for mu_alpha = 0, where B is zero.
         """
         c = self.coefficients
         if np.any(np.asarray(c.mu_alpha) == 0.0):
@@ -486,12 +498,12 @@ class Plant(WithCoefficients):
                 "the lateral acceleration does not follow from the coefficients of a vehicle with"
                 " mu_alpha = 0; give it an aerodynamic_arm other than zero"
             )
-        normal, lateral = np.asarray(c.C1 - c.b2), np.asarray((c.b1 - c.C1) / c.B)
-        return normal[..., np.newaxis], lateral[..., np.newaxis]
+        normal, control = np.asarray(c.C1 - c.b2), np.asarray((c.b1 - c.C1) / c.B)
+        return normal[..., np.newaxis], control[..., np.newaxis]
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Names of the states."""
+        """Names of the states, as many of these four as the order of the model."""
         names = ("attitude", "attitude_rate", "flight_path_angle", "relative_speed")
         return names[: self.denominator.shape[-1] - 1]
 
@@ -504,17 +516,19 @@ class Plant(WithCoefficients):
         gamma' = (C1 + w) theta - C1 gamma + d delta - n alpha_w (+ sqrt(q) V/V_n), with
         w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B,
         n = N/(m V_n) = C1 - b2 and q = (g cos(Theta_n)/V_n)^2; in the drift model
-        gamma' = (b1/B) delta + b2 alpha_w instead.
+        gamma' = (b1/B) delta + b2 alpha_w instead. "drift-and-speed" has the relative speed V/V_n
+        as state, with (V/V_n)' = -sqrt(q) gamma.
         """
         c, order = self.coefficients, self.denominator.shape[-1] - 1
         A, B = np.zeros((*self.batch, order, order)), np.zeros((*self.batch, order, 2))
-        # rows of A and B: attitude, its rate, flight path angle, relative speed
+        # rows of A and B: attitude, its rate, flight path angle, relative speed; inputs 0 and 1:
+        # deflection and wind
         A[..., 0, 1] = 1.0
         A[..., 1, 0], A[..., 1, 1] = c.mu_alpha, 0.0 - np.asarray(c.damping)
         B[..., 1, 0], B[..., 1, 1] = -c.mu_delta, -c.mu_alpha
         if order > 2:
             A[..., 1, 2] = -c.mu_alpha
-            path = self._path
+            path = self._path  # coefficients [1/s] of the flight path equation
             A[..., 2, 0], A[..., 2, 2] = path.attitude, -path.damping
             B[..., 2, 0], B[..., 2, 1] = path.deflection, -path.wind
         if order > 3:
@@ -532,24 +546,23 @@ class Plant(WithCoefficients):
     def path_per_attitude(self, poles: AnyArray) -> AnyArray:
         """Return the ratio of flight path angle to attitude in a free mode e^(p t), ``(..., N)``.
 
-        From the flight path equation, (p + damping + q/p) gamma = attitude theta, whose
-        coefficients `attitude` and `damping` [1/s] are as in `_PathCoefficients`, and q [1/s^2]
-        the gravity term of "drift-and-speed"; the angle of attack of the mode is the remainder of
-        its attitude.
+        From the flight path equation gamma' + h gamma = a theta + .. of the model, with a and h in
+        1/s: (p + h + q/p) gamma = a theta, q [1/s^2] being the gravity term of "drift-and-speed".
+        The angle of attack of the mode is the remainder of its attitude.
 
         Parameters
         ----------
         poles : ndarray
             Poles of the plant [1/s], ``(..., N)``.
         """
-        c, path = self.coefficients, self._path
-        gravity_term = c.q if self.model == "drift-and-speed" else 0.0  # [1/s^2]
-        pull, damping, q = (
+        path = self._path
+        gravity_term = self.coefficients.q if self.model == "drift-and-speed" else 0.0
+        a, h, q = (
             np.asarray(a)[..., np.newaxis] for a in (path.attitude, path.damping, gravity_term)
         )
-        resistance = poles * (poles + damping) + q
-        free = resistance == 0.0  # in the drift model the path angle is free
-        return np.where(free, 1.0, poles * pull / np.where(free, 1.0, resistance))
+        divisor = poles * (poles + h) + q
+        free = divisor == 0.0  # p = 0 in the drift model: a constant path angle, equal to theta
+        return np.where(free, 1.0, poles * a / np.where(free, 1.0, divisor))
 
     def _attitude(self, input: str) -> FloatArray:
         """Return the numerator from `input` to the attitude, ``(..., k)``, highest power first.
@@ -569,46 +582,54 @@ class Plant(WithCoefficients):
         return self._stack(factors[self.model]) * -np.asarray(gain)[..., np.newaxis]
 
     def _flight_path(self, input: str) -> FloatArray:
-        """Return the numerator from `input` to the flight path angle, highest power of s first."""
-        # (s + damping) gamma = attitude theta + deflection delta - wind alpha_w, put into the
-        # moment equation and solved for gamma.
+        """Return the numerator from `input` to the flight path angle, highest power of s first.
+
+        gamma' + h gamma = a theta + d delta - w alpha_w, with the model's coefficients a, h, d and
+        w [1/s], is put into the moment equation (mu_alpha, mu_delta, damping) and solved for gamma.
+        """
         c, path = self.coefficients, self._path
+        a, d, w = path.attitude, path.deflection, path.wind
         if input == "deflection":
-            terms = (
-                path.deflection,
-                c.damping * path.deflection,
-                -c.mu_alpha * path.deflection - path.attitude * c.mu_delta,
-            )
+            terms = (d, c.damping * d, -c.mu_alpha * d - a * c.mu_delta)
         else:
-            terms = (-path.wind, -c.damping * path.wind, c.mu_alpha * (path.wind - path.attitude))
+            terms = (-w, -c.damping * w, c.mu_alpha * (w - a))
         numerator = self._stack(terms)
+        # the relative speed of "drift-and-speed" adds a factor s
         return polynomials.times_variable(numerator, int(self.model == "drift-and-speed"))
 
     @property
     def _path(self) -> _PathCoefficients:
-        """Coefficients [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w, of the model."""
+        """Coefficients a, h, d, w [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w.
+
+        They follow from those of eq (B7), in "drift" of eq (B8). `InputError` for mu_alpha = 0.
+        """
         c = self.coefficients
         if self.model == "drift":
-            return _PathCoefficients(0.0, 0.0, c.b1 / c.B, -c.b2)
+            return _PathCoefficients(attitude=0.0, damping=0.0, deflection=c.b1 / c.B, wind=-c.b2)
         if np.any(np.asarray(c.mu_alpha) == 0.0):
             raise InputError(
                 "the flight path does not follow from the coefficients of a vehicle with mu_alpha"
                 ' = 0; use model "fixed-path" or an aerodynamic_arm other than zero'
             )
-        gravity = c.C2 / c.mu_alpha
-        return _PathCoefficients(c.C1 + gravity, c.C1, (c.b1 - c.C1) / c.B, c.C1 - c.b2)
+        gravity = c.C2 / c.mu_alpha  # g sin(Theta_n)/V_n
+        return _PathCoefficients(
+            attitude=c.C1 + gravity,
+            damping=c.C1,
+            deflection=(c.b1 - c.C1) / c.B,
+            wind=c.C1 - c.b2,
+        )
 
     def _stack(self, polynomial: tuple[Any, ...]) -> FloatArray:
-        """Return the polynomial ``(..., k)`` of coefficients that broadcast to the batch."""
-        rows = [np.broadcast_to(np.asarray(p, float), self.batch) for p in polynomial]
-        return np.stack(rows, axis=-1)
+        """Return k coefficients, each a number or of the batch, as one array ``(*batch, k)``."""
+        columns = [np.broadcast_to(np.asarray(p, float), self.batch) for p in polynomial]
+        return np.stack(columns, axis=-1)
 
 
 @dataclass(frozen=True)
 class _PathCoefficients:
-    """Coefficients of gamma' + damping gamma = attitude theta + deflection delta - wind alpha_w.
+    """Coefficients [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w.
 
-    All in 1/s.
+    `attitude`: a. `damping`: h. `deflection`: d. `wind`: w.
     """
 
     attitude: Any

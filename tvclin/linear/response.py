@@ -122,16 +122,16 @@ def time_response(
 ) -> TimeResponseData:
     """Return outputs ``(n, m)`` at times ``(m,)`` [s] as `control.TimeResponseData`.
 
-    `labels`: names of the outputs. `name`, `title`: name of the system, and title of its plot.
-    `inputs`: histories of the inputs, by name.
+    `labels`: names of the outputs. `name`, `title`: name of the system, and title of its plot, to
+    which the units are added. `inputs`: histories of the inputs, by name.
     """
     from control import TimeResponseData
 
     return TimeResponseData(
         times,
         outputs,
-        None,
-        np.stack([history(times) for history in inputs.values()]),
+        states=None,
+        inputs=np.stack([history(times) for history in inputs.values()]),
         issiso=False,
         output_labels=list(labels),
         input_labels=list(inputs),
@@ -174,13 +174,19 @@ def attitude_responses(
     instance("deflection", deflection, History, "such as ConstantDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
-    system, labels = plant.modal, plant.outputs
-    direct, inputs = plant.direct_terms, (deflection, wind)  # None for a model without them
+    system, labels, direct = plant.modal, plant.outputs, plant.direct_terms
     if outputs is not None:
-        labels = _selected_outputs(outputs, labels)
+        if not isinstance(outputs, tuple | list) or not outputs:
+            raise InputError(f"outputs must be some of {', '.join(labels)}; got {shown(outputs)}")
+        selected = {one_of("outputs", label, plant.outputs) for label in outputs}
+        labels = tuple(label for label in plant.outputs if label in selected)
         system = system.select_outputs([plant.outputs.index(label) for label in labels])
     values, indistinct = modal.responses(system, (deflection.pieces, wind.pieces), times, shape)
-    if indistinct is not None:
+    if direct is not None:  # of the outputs from deflection and wind; only of a `SystemPlant`
+        inputs = np.stack(np.broadcast_arrays(deflection(times), wind(times)), axis=-2)
+        rows = [plant.outputs.index(label) for label in labels]
+        direct = direct[..., rows, :] @ inputs
+    if indistinct is not None:  # cases with nearly equal poles, without a sum of modes
         cases = np.flatnonzero(indistinct)
         if shape:
             plant = plant.cases(cases, shape)
@@ -189,22 +195,7 @@ def attitude_responses(
         values[indistinct] = coupled(
             plant, labels, deflection, wind, times, cases.shape if shape else ()
         )
-    if direct is not None:
-        at_once = np.stack(np.broadcast_arrays(*(h(times) for h in inputs)), axis=-2)
-        rows = [plant.outputs.index(label) for label in labels]
-        values = values + direct[..., rows, :] @ at_once
-    return Responses(times, values, labels)
-
-
-def _selected_outputs(outputs: Sequence[str], available: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the selected outputs in the order of the plant; `InputError` if unknown.
-
-    `outputs`: selected names. `available`: names of all outputs of the plant.
-    """
-    if not isinstance(outputs, tuple | list) or not outputs:
-        raise InputError(f"outputs must be some of {', '.join(available)}; got {shown(outputs)}")
-    selected = {one_of("outputs", label, available) for label in outputs}
-    return tuple(label for label in available if label in selected)
+    return Responses(times, values if direct is None else values + direct, labels)
 
 
 def _by_lags(
@@ -222,13 +213,12 @@ def _by_lags(
     plants of the batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s],
     ``(n,)``. `shape`: shape of the batch.
     """
-    rows, lagged = [], _lagged if shape else _latest
+    rows = []
+    component = _lagged if shape else _latest  # for one case with a cache
     for output in outputs:
-        components = [
-            lagged(plant, output, name, history)(times)
-            for name, history in zip(INPUTS, (deflection, wind), strict=True)
-        ]
-        rows.append(np.broadcast_to(components[0] + components[1], (*shape, times.size)))
+        from_deflection = component(plant, output, "deflection", deflection)(times)
+        from_wind = component(plant, output, "wind", wind)(times)
+        rows.append(np.broadcast_to(from_deflection + from_wind, (*shape, times.size)))
     return np.stack(rows, axis=-2)
 
 
@@ -242,8 +232,9 @@ def _by_matrices(
 ) -> FloatArray:
     """Return the responses ``(..., outputs, n)`` without direct terms, by matrix exponentials.
 
-    They admit any poles. `plant`: plants of the batch. `outputs`: names. `deflection`, `wind`:
-    inputs [rad]. `times`: [s], ``(n,)``. `shape`: shape of the batch.
+    They admit any poles; direct terms are D times deflection and wind. `plant`: plants of the
+    batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s], ``(n,)``. `shape`:
+    shape of the batch.
     """
     values = np.empty((prod(shape), len(outputs), times.size))
     rows = [plant.outputs.index(output) for output in outputs]
@@ -251,8 +242,8 @@ def _by_matrices(
         A, B, C, _ = plant.case(k, shape).matrices()
         states = np.zeros((times.size, len(A)))
         for column, history in enumerate((deflection, wind)):
-            response = motions(A, B[:, column], [history.case(k, shape).pieces])[0]
-            states += np.real(response.at(times)[:, : len(A)])
+            (response,) = motions(A, B[:, column], [history.case(k, shape).pieces])
+            states += np.real(response.at(times)[:, : len(A)])  # without the history's own states
         values[k] = C[rows] @ states.T
     return values.reshape(*shape, len(outputs), times.size)
 

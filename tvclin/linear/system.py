@@ -75,23 +75,24 @@ class LinearSystem:
         return LinearSystem(*matrices, *names, self.period)
 
     def feedback(self, output: str, input: str) -> LinearSystem:
-        """Return the system with an output added to an input, which may be driven as well.
+        """Return the system with an output added to an input, which stays an input as well.
 
-        `output`, `input`: names of both signals. `InputError` for an algebraic loop of the two.
+        `output`, `input`: names of both signals. `InputError` for an output that follows the input
+        at once, which makes an algebraic loop.
         """
         A, B, C, D = self.matrices()
         into, out = self.inputs.index(input), self.outputs.index(output)
         if np.any(D[..., out, into]):
             raise InputError(_ALGEBRAIC_LOOP)
-        # columns of the input, and rows of the output, which is added to it
-        column, through = B[..., into, np.newaxis], D[..., into, np.newaxis]
-        row, passed = C[..., out, np.newaxis, :], D[..., out, np.newaxis, :]
+        # columns of B and D of the input, and rows of C and D of the output, which is added to it
+        B_column, D_column = B[..., into, np.newaxis], D[..., into, np.newaxis]
+        C_row, D_row = C[..., out, np.newaxis, :], D[..., out, np.newaxis, :]
         return replace(
             self,
-            A=A + column * row,
-            B=B + column * passed,
-            C=C + through * row,
-            D=D + through * passed,
+            A=A + B_column * C_row,
+            B=B + B_column * D_row,
+            C=C + D_column * C_row,
+            D=D + D_column * D_row,
         )
 
     def select(self, inputs: Sequence[str], outputs: Sequence[str]) -> LinearSystem:
@@ -102,29 +103,28 @@ class LinearSystem:
         return replace(self, B=B, C=C, D=D, inputs=tuple(inputs), outputs=tuple(outputs))
 
     def with_outputs(self, rows: Mapping[str, tuple[FloatArray, FloatArray]]) -> LinearSystem:
-        """Return the system with further outputs: by name a row of C ``(..., n)`` and one of D."""
-        C, D = (
-            np.concatenate([matrix, np.stack([row[k] for row in rows.values()], axis=-2)], axis=-2)
-            for k, matrix in enumerate((self.C, self.D))
-        )
+        """Return the system with further outputs.
+
+        `rows`: row of C ``(..., n)`` and row of D ``(..., inputs)`` of each, by its name.
+        """
+        C_rows = np.stack([row for row, _ in rows.values()], axis=-2)
+        D_rows = np.stack([row for _, row in rows.values()], axis=-2)
+        C, D = np.concatenate([self.C, C_rows], axis=-2), np.concatenate([self.D, D_rows], axis=-2)
         return replace(self, C=C, D=D, outputs=(*self.outputs, *rows))
 
     def renamed(self, inputs: Mapping[str, str]) -> LinearSystem:
-        """Return the system with new names of some inputs, by their old names."""
+        """Return the system with some inputs renamed; `inputs`: new names by the old names."""
         return replace(self, inputs=tuple(inputs.get(name, name) for name in self.inputs))
 
     def cases(self, index: IndexArray, shape: tuple[int, ...]) -> LinearSystem:
         """Return the systems at flat positions `index` ``(k,)`` of a batch of the shape `shape`."""
 
-        def selected(array: FloatArray, axes: int) -> FloatArray:
-            """Return the selected cases of an array whose last `axes` axes are no batch."""
-            trailing = array.shape[array.ndim - axes :]
-            return np.broadcast_to(array, (*shape, *trailing)).reshape(prod(shape), *trailing)[
-                index
-            ]
+        def selected(array: FloatArray, size: tuple[int, ...]) -> FloatArray:
+            """Return the cases of an array of a batch and the size `size` behind it."""
+            return np.broadcast_to(array, (*shape, *size)).reshape(prod(shape), *size)[index]
 
-        period = None if self.period is None else selected(self.period, 0)
-        A, B, C, D = (selected(matrix, 2) for matrix in self.matrices())
+        period = None if self.period is None else selected(self.period, ())
+        A, B, C, D = (selected(matrix, matrix.shape[-2:]) for matrix in self.matrices())
         return replace(self, A=A, B=B, C=C, D=D, period=period)
 
     def to_steps(self, period: ArrayLike, delay: ArrayLike = 0.0) -> LinearSystem:
@@ -144,18 +144,19 @@ class LinearSystem:
         shape = broadcast(system=self.batch, period=h.shape, delay=delays.shape)
         intervals = [h - remainder, remainder] if np.any(remainder) else [h]
         n = len(self.states)
-        (F, G), *rest = (self._transition(np.broadcast_to(time, shape)) for time in intervals)
-        input_matrices = [G]
-        for E, P in rest:
-            F, input_matrices = F @ E, [G, F @ P]
+        (F, G0), *rest = (self._transition(np.broadcast_to(time, shape)) for time in intervals)
+        input_matrices = [G0]
+        for E, P in rest:  # over the remainder f; so far F = E(h - f)
+            F, input_matrices = F @ E, [G0, F @ P]
         period = np.broadcast_to(h, shape)
         if not np.any(delays):
-            return replace(self, A=F, B=input_matrices[0], period=period)
+            return replace(self, A=F, B=G0, period=period)
         if len(self.inputs) > 1 or np.any(self.D):
             raise InputError("a delayed system needs one input, which no output follows at once")
         # Delayed commands u[k-1], u[k-2], .., as many as the longest delay has.
         count = int((complete + (remainder > 0.0)).max(initial=0))
-        input_matrix = np.zeros((*shape, n, 1 + count))  # by u[k], u[k-1], ..
+        # columns by u[k], u[k-1], ..: G0 at d whole samples of the case, G1 at d + 1
+        input_matrix = np.zeros((*shape, n, 1 + count))
         for k, matrix in enumerate(input_matrices):
             input_matrix += matrix * (
                 np.arange(1 + count) == (complete + k)[..., np.newaxis, np.newaxis]
@@ -173,7 +174,7 @@ class LinearSystem:
     def _transition(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return E ``(..., n, n)`` and P ``(..., n, inputs)`` of x(t) = E x(0) + P u, u constant.
 
-        `times`: times t [s], ``(...)``, of the batch of the system.
+        `times`: times t [s], ``(...)``, one for each case of the batch.
         """
         generator, n = augmented_matrix(self.A, self.B), len(self.states)
         shape = (*times.shape, *generator.shape[-2:])
@@ -198,29 +199,30 @@ class LinearSystem:
 def constant_over_steps(
     first: LinearSystem, second: LinearSystem, lengths: FloatArray
 ) -> LinearSystem:
-    """Return constant systems, one a step, that equal a system that varies to fourth order.
+    """Return constant systems, one for each step, in place of a system that varies over the steps.
 
-    `first`, `second`: the system at the two Gauss points (`GAUSS_NODES`) of each step. `lengths`:
-    lengths of the steps [s]; batches of all three broadcast. Outputs are the outputs of `first`.
+    Their states at the ends of the steps are exact to fourth order in the length. `first`,
+    `second`: the system at the first and second Gauss point of each step. `lengths`: of the steps
+    [s]; batches of all three broadcast. C and D are those of `first`.
     """
-    former, latter = (augmented_matrix(system.A, system.B) for system in (first, second))
-    matrix, n = constant_generator(former, latter, lengths), len(first.states)
+    at_first, at_second = (augmented_matrix(system.A, system.B) for system in (first, second))
+    matrix, n = constant_generator(at_first, at_second, lengths), len(first.states)
     return replace(first, A=matrix[..., :n, :n], B=matrix[..., :n, n:])
 
 
 def split_delay(
     delay: float | FloatArray, period: float | FloatArray
 ) -> tuple[IndexArray, FloatArray]:
-    """Return the whole samples of a delay ``(...)``, and its remainder [s].
+    """Return the number of whole samples of a delay ``(...)``, and its remainder [s].
 
-    `delay`, `period`: delay and sampling period [s], ``(...)``, which broadcast; a period of zero
-    counts as one second. A delay within rounding of a whole number of samples has no remainder.
+    `delay`, `period`: delay and sampling period [s], ``(...)``, which broadcast. With a period of
+    zero, for continuous time, the number has no meaning and the remainder is zero. A delay within
+    rounding of a whole number of samples has no remainder.
     """
     samples = delay / np.where(period > 0.0, period, 1.0)
     complete = np.floor(samples + WHOLE_SAMPLE_TOLERANCE)
-    remainder = (
-        np.where(samples - complete > WHOLE_SAMPLE_TOLERANCE, samples - complete, 0.0) * period
-    )
+    rest = samples - complete  # in samples
+    remainder = np.where(rest > WHOLE_SAMPLE_TOLERANCE, rest, 0.0) * period
     return complete.astype(np.intp), remainder
 
 
@@ -230,8 +232,15 @@ def gain(output: str, factors: Mapping[str, ArrayLike]) -> LinearSystem:
     `factors`: factor ``(...)`` of each input, by its name.
     """
     rows = np.stack(np.broadcast_arrays(*(np.asarray(f, float) for f in factors.values())), -1)
-    no_states = (np.zeros((0, 0)), np.zeros((0, len(factors))), np.zeros((1, 0)))
-    return LinearSystem(*no_states, rows[..., np.newaxis, :], tuple(factors), (output,), ())
+    return LinearSystem(
+        A=np.zeros((0, 0)),
+        B=np.zeros((0, len(factors))),
+        C=np.zeros((1, 0)),
+        D=rows[..., np.newaxis, :],
+        inputs=tuple(factors),
+        outputs=(output,),
+        states=(),
+    )
 
 
 def polynomial_input(name: str, terms: int) -> LinearSystem:
@@ -240,9 +249,15 @@ def polynomial_input(name: str, terms: int) -> LinearSystem:
     `name`: name of the output. `terms`: number of coefficients; they, about the current time, are
     the states, so that c0' = c1, c1' = 2 c2, ...
     """
-    A, C = np.diag(np.arange(1.0, terms), k=1), np.eye(1, terms)
-    states = tuple(f"{name}_{k}" for k in range(terms))
-    return LinearSystem(A, np.zeros((terms, 0)), C, np.zeros((1, 0)), (), (name,), states)
+    return LinearSystem(
+        A=np.diag(np.arange(1.0, terms), k=1),
+        B=np.zeros((terms, 0)),
+        C=np.eye(1, terms),
+        D=np.zeros((1, 0)),
+        inputs=(),
+        outputs=(name,),
+        states=tuple(f"{name}_{k}" for k in range(terms)),
+    )
 
 
 def connect(
@@ -257,14 +272,14 @@ def connect(
     """
     block_inputs = [name for block in blocks for name in block.inputs]
     used = {*block_inputs, *outputs}
-    blocks = [
+    blocks = [  # without outputs that nothing uses
         block.select(block.inputs, [k for k in block.outputs if k in used]) for block in blocks
     ]
     block_outputs = [name for block in blocks for name in block.outputs]
     A, B, C, D = (_block_diagonal([block.matrices()[k] for block in blocks]) for k in range(4))
     # Of inputs u and outputs y of the blocks, external inputs w and observed signals P y + Q w:
     # u = K y + L w and y = C x + D u, so that y = (1 + D K + (D K)^2 + ..) (C x + D L w); without
-    # an algebraic loop a power of D K is zero.
+    # an algebraic loop a power of D K is zero. K, L, P and Q have a one where names are equal.
     K, L = _incidence(block_inputs, block_outputs), _incidence(block_inputs, inputs)
     loop_gain = _times(D, K)
     closed, power = np.eye(len(block_outputs)) + loop_gain, loop_gain

@@ -67,11 +67,11 @@ def read_system(source: str | PathLike[str]) -> LinearSystem:
         raise InputError(
             f"{name} has no {missing[0]}; its variables are {', '.join(variables) or 'none'}"
         )
-    matrices = [_matrix(f"{m} of {name}", variables[m]) for m in _MATRICES]
-    sizes = {"inputs": matrices[3].shape[1], "outputs": matrices[3].shape[0]}
-    sizes["states"] = matrices[0].shape[0]
+    matrices = {m: _matrix(f"{m} of {name}", variables[m]) for m in _MATRICES}
+    outputs, inputs = matrices["D"].shape
+    sizes = {"inputs": inputs, "outputs": outputs, "states": len(matrices["A"])}
     signals = {}
-    for kind, key in _NAMES.items():
+    for kind, key in _NAMES.items():  # as "inputs" and "InputName"
         value = variables.get(key, variables.get(kind))
         names = () if value is None else _texts(f"{key} of {name}", value)
         if names and any(names):
@@ -79,7 +79,7 @@ def read_system(source: str | PathLike[str]) -> LinearSystem:
         else:
             signals[kind] = tuple(_DEFAULTS[kind].format(k) for k in range(sizes[kind]))
     period = next((variables[key] for key in _PERIODS if key in variables), 0.0)
-    return checked_system(name, matrices, **signals, period=_period(name, period))
+    return checked_system(name, [*matrices.values()], **signals, period=_period(name, period))
 
 
 def write_system(system: AnySystem, path: str | PathLike[str]) -> None:
@@ -136,18 +136,15 @@ def _write(target: Path, suffix: str, variables: Mapping[str, Any]) -> None:
     from scipy.io import savemat  # late: it takes 0.1 s to import
 
     with target.open("wb") as stream:
-        savemat(stream, {k: _cells(v) if isinstance(v, tuple) else v for k, v in variables.items()})
-
-
-def _cells(names: tuple[str, ...]) -> AnyArray:
-    """Return names as a column of MATLAB cells, ``(n, 1)``."""
-    cells = np.empty((len(names), 1), dtype=object)
-    cells[:, 0] = names
-    return cells
+        cells = {  # a tuple of names is a column of cells
+            key: np.array(value, object).reshape(-1, 1) if isinstance(value, tuple) else value
+            for key, value in variables.items()
+        }
+        savemat(stream, cells)
 
 
 def _suffix(file: Path) -> str:
-    """Return the ending of a file; `InputError` for one that is not known."""
+    """Return the ending of a file, ".mat" or ".npz" in lower case; `InputError` for another."""
     suffix = file.suffix.lower()
     if suffix not in _SUFFIXES:
         raise InputError(f"{called(file)} must end in .mat or .npz, for {_KIND}")
@@ -155,7 +152,10 @@ def _suffix(file: Path) -> str:
 
 
 def _variables(file: Path, name: str) -> dict[str, Any]:
-    """Return the variables of a file by their names; `name` is that of the file in messages."""
+    """Return the variables of a .mat or .npz file by their names, of a single struct its fields.
+
+    `name`: of the file in messages. `InputError` for a file that cannot be read.
+    """
     suffix, content = _suffix(file), read_bytes(file, _KIND)
     if suffix == ".npz":
         try:
@@ -172,6 +172,7 @@ def _variables(file: Path, name: str) -> dict[str, Any]:
     except Exception:  # scipy raises errors of many types on damaged bytes
         raise InputError(f"{name} is not {_KIND}; save it with -v7") from None
     variables = {key: value for key, value in variables.items() if not key.startswith("__")}
+    # arrays with fields are MATLAB's structs
     structs = [v for v in variables.values() if getattr(v, "dtype", None) and v.dtype.names]
     if "A" not in variables and len(structs) == 1 and structs[0].size == 1:
         record = structs[0].flat[0]
@@ -195,6 +196,7 @@ def _texts(what: str, value: Any) -> tuple[str, ...]:
 
     `what`: name of the variable in the message. `value`: variable of the file.
     """
+    # a cell is an array with its text as only element, or empty
     entries = [np.ravel(entry) for entry in np.ravel(np.asarray(value))]
     texts = [entry[0] if entry.size else "" for entry in entries]
     if not all(isinstance(text, str) for text in texts):

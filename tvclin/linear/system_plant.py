@@ -109,6 +109,7 @@ class SystemPlant(Plant):
             instance("coefficients", coefficients, Coefficients, "of mu_alpha and mu_delta")
             broadcast(system=named.batch, coefficients=coefficients.batch)
         title = str(getattr(system, "name", "") or "")
+        # "sys[0]" is the name that python-control gives a system without a name
         model = "state space" if not title or title.startswith("sys[") else title
         self._set(_with_angle_of_attack(named), coefficients, model)
         self._check()
@@ -122,16 +123,18 @@ class SystemPlant(Plant):
     def _set(self, system: LinearSystem, coefficients: Coefficients | None, model: str) -> None:
         """Set the fields of the frozen record; missing coefficients follow from an output moment.
 
-        `system`: system with the signals of a plant. `model`: name of the model.
+        `system`: system with the signals of a plant, first deflection and wind. The direct terms of
+        its output moment [1/s^2] are -mu_delta and -mu_alpha. `model`: name of the model.
         """
         if coefficients is None and MOMENT in system.outputs:
             row = system.D[..., system.outputs.index(MOMENT), :]
-            if not np.all(row[..., 0]):
+            from_deflection, from_wind = row[..., 0], row[..., 1]
+            if not np.all(from_deflection):
                 raise InputError(
                     "plant must have a moment that follows the deflection; its output moment does"
                     " not"
                 )
-            coefficients = Coefficients(mu_alpha=0.0 - row[..., 1], mu_delta=0.0 - row[..., 0])
+            coefficients = Coefficients(mu_alpha=0.0 - from_wind, mu_delta=0.0 - from_deflection)
         A, B, C, D = (np.broadcast_to(m, (*system.batch, *m.shape[-2:])) for m in system.matrices())
         system = replace(system, A=A, B=B, C=C, D=D)
         for name, value in (("_system", system), ("_coefficients", coefficients)):
@@ -144,9 +147,10 @@ class SystemPlant(Plant):
         Hidden are unstable modes that the deflection does not reach or the attitude does not show.
         """
         system = self._system
+        # attitude, rate, path angle and angle of attack, and attitude and rate of sensors
         names = [name for name in system.outputs if name.removeprefix("sensed_") in _MEASURED]
         for name in names:
-            if np.any(system.D[..., system.outputs.index(name), 0]):
+            if np.any(system.D[..., system.outputs.index(name), 0]):  # input 0: deflection
                 raise InputError(
                     f"{name} of the plant must not follow the deflection at once: feedback of it"
                     " would be an algebraic loop"
@@ -155,9 +159,9 @@ class SystemPlant(Plant):
         check_hidden_modes(
             "plant",
             self._eigenvectors,
-            system.B[..., :1],
-            system.C[..., attitude : attitude + 1, :],
-            ("the deflection does not reach", "the attitude does not show"),
+            B=system.B[..., :1],
+            C=system.C[..., attitude : attitude + 1, :],
+            faults=("the deflection does not reach", "the attitude does not show"),
         )
 
     def _repr_html_(self) -> str:
@@ -194,7 +198,10 @@ class SystemPlant(Plant):
 
     @property
     def coordinate_scale(self) -> Any:
-        """Deflection that counts as one for recoverable coordinates: B, or one where not known."""
+        """Trim deflection B per angle of attack, by which flights scale unstable components.
+
+        One where the coefficients are not known.
+        """
         return self._coefficients.B if self._coefficients is not None else 1.0
 
     @property
@@ -204,7 +211,7 @@ class SystemPlant(Plant):
 
     @property
     def has_modes(self) -> bool:
-        """Whether lightly damped modes may have a limit cycle with the nozzle."""
+        """Whether it has lightly damped modes, which may have a limit cycle with the nozzle."""
         names, _ = self.named_modes()
         return bool(names)
 
@@ -229,7 +236,10 @@ class SystemPlant(Plant):
         return self._changed(self._system.cases(np.asarray(index), shape), c)
 
     def _changed(self, system: LinearSystem, coefficients: Coefficients | None) -> SystemPlant:
-        """Return a plant with another system and coefficients, without repeated checks."""
+        """Return a plant of this class and model with another system and coefficients, unchecked.
+
+        `__init__`, which checks them, is omitted.
+        """
         plant = type(self).__new__(type(self))
         plant._set(system, coefficients, self.model)
         return plant
@@ -302,6 +312,7 @@ class SystemPlant(Plant):
         name, factor = self._lateral_output(signal, station)
         k = self.outputs.index(name)
         direct = self._system.D[..., k, :]
+        # of the deflection (0) and its acceleration (2), not of the wind (1)
         if signal == "drift_rate" and np.any(direct[..., [0, *range(2, len(self.inputs))]]):
             raise InputError("drift_rate of the plant must not follow the deflection at once")
         return factor * self._system.C[..., k, :], factor * direct
@@ -376,12 +387,14 @@ class SystemPlant(Plant):
                 "a response takes a deflection without its acceleration; leave the input"
                 " deflection_acceleration out of the plant"
             )
-        return ModalSystem(self.poles, *self._modal_matrices, less_wind=False)
+        gains, outputs = self._modal_matrices  # of each input in a mode, of a mode in each output
+        # without the wind, which is a direct term of the angle of attack
+        return ModalSystem(self.poles, gains, outputs, less_wind=False)
 
     @property
     def _attitude_residues(self) -> AnyArray:
-        """Residues of the attitude at all poles, for each input, ``(..., n, inputs)``."""
-        gains, outputs = self._modal_matrices
+        """Residues of the attitude at all n poles, for each input, ``(..., n, inputs)``."""
+        gains, outputs = self._modal_matrices  # of each input in a mode, of a mode in each output
         return gains * outputs[..., self.outputs.index("attitude"), np.newaxis]
 
     @property
@@ -414,29 +427,30 @@ class SystemPlant(Plant):
         D is the denominator, N the numerators, up to a factor: D is one, or s with a pole at zero,
         or zero with several. They are the series in s of the sum of residue/(s - pole) and the
         direct term: the poles at zero give residue/s, each other pole -residue/pole - s
-        residue/pole^2.
+        residue/pole^2. A pole at zero counts only where its residue is not zero.
         """
-        residues = self._attitude_residues[..., :2]
+        residues = self._attitude_residues[..., :2]  # at n poles, from deflection and wind
         poles = self.poles[..., np.newaxis]
         size = np.abs(self.poles).max(axis=-1, initial=0.0)[..., np.newaxis, np.newaxis]
         at_zero = np.abs(poles) <= _ZERO_POLE * size
         away = np.where(at_zero, 1.0, poles)
-        regular = np.real(np.where(at_zero, 0.0, -residues / away).sum(axis=-2))
-        regular = regular + self.direct_terms[..., self.outputs.index("attitude"), :]
-        marginal = np.real(np.where(at_zero, residues, 0.0).sum(axis=-2))
-        terms = np.where(at_zero, 0.0, np.abs(residues)).sum(axis=-2)
-        marginal = np.where(np.abs(marginal) <= _ZERO_POLE * terms, 0.0, marginal)
-        integrates = np.any(marginal, axis=-1)
-        repeated = at_zero.sum(axis=(-2, -1)) > 1
+        # coefficients of 1/s, 1 and s in the series, for each input, ``(..., 2)``
+        inverse = np.real(np.where(at_zero, residues, 0.0).sum(axis=-2))
+        sizes = np.where(at_zero, 0.0, np.abs(residues)).sum(axis=-2)
+        inverse = np.where(np.abs(inverse) <= _ZERO_POLE * sizes, 0.0, inverse)
+        constant = np.real(np.where(at_zero, 0.0, -residues / away).sum(axis=-2))
+        constant = constant + self.direct_terms[..., self.outputs.index("attitude"), :]
         slope = np.real(np.where(at_zero, 0.0, -residues / away**2).sum(axis=-2))
+        integrates = np.any(inverse, axis=-1)
+        repeated = at_zero.sum(axis=(-2, -1)) > 1
         denominator = np.stack(
             [np.where(integrates & ~repeated, 1.0, 0.0), np.where(integrates, 0.0, 1.0)], axis=-1
         )
         numerators = [
             np.stack(
                 [
-                    np.where(integrates, regular[..., i], slope[..., i]),
-                    np.where(integrates, marginal[..., i], regular[..., i]),
+                    np.where(integrates, constant[..., i], slope[..., i]),
+                    np.where(integrates, inverse[..., i], constant[..., i]),
                 ],
                 axis=-1,
             )
@@ -459,7 +473,8 @@ class SystemPlant(Plant):
             )
         polynomial = np.ones((*self.batch, 1), complex)
         poles, _, _ = self._eigenvectors
-        for pole in np.moveaxis(poles, -1, 0):  # times (s - pole)
+        for pole in np.moveaxis(poles, -1, 0):
+            # times (s - pole): a zero behind, less the pole times the coefficient before
             polynomial = np.pad(polynomial, [(0, 0)] * (polynomial.ndim - 1) + [(0, 1)])
             polynomial[..., 1:] -= pole[..., np.newaxis] * polynomial[..., :-1]
         return np.real(polynomial)
@@ -480,26 +495,24 @@ class SystemPlant(Plant):
         one_of("output", output, self.outputs)
         one_of("input", input, self.inputs)
         A, B, C, D = self._system.select((input,), (output,)).matrices()
-        below, column, markov = self.denominator, B, [D[..., 0, 0]]
-        for _ in range(below.shape[-1] - 1):
+        denominator, column, markov = self.denominator, B, [D[..., 0, 0]]
+        for _ in range(denominator.shape[-1] - 1):
             markov.append((C @ column)[..., 0, 0])
             column = A @ column
-        terms = np.stack(
-            [
-                sum((below[..., k] * markov[order - k] for k in range(order + 1)), np.zeros(()))
-                for order in range(below.shape[-1])
-            ],
-            axis=-1,
-        )
+        products = [  # the coefficients of the product, highest power first
+            sum((denominator[..., k] * markov[i - k] for k in range(i + 1)), np.zeros(()))
+            for i in range(denominator.shape[-1])
+        ]
+        terms = np.stack(products, axis=-1)
         first = next((k for k in range(terms.shape[-1] - 1) if np.any(terms[..., k])), -1)
         return terms[..., first:]
 
     @property
     def trim_filter(self) -> tuple[Any, Any, Any]:
-        """Coefficients b1, b2 and q of the filter from a wind to its trim, see `Plant`.
+        """Coefficients b1, b2 [1/s] and q [1/s^2] of the filter from a wind to its trim.
 
-        They are the given coefficients; without an output flight_path_angle they are zero,
-        and trim is -B times the wind.
+        The filter is -B (s^2 + b2 s + q)/(s^2 + b1 s + q), with the given coefficients; without an
+        output flight_path_angle they are zero, and trim is -B times the wind.
         """
         if "flight_path_angle" not in self.outputs:
             return 0.0, 0.0, 0.0
@@ -523,8 +536,9 @@ class SystemPlant(Plant):
 def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
     """Return the system with deflection and wind as first inputs, and an angle of attack.
 
-    `InputError` for a missing signal, and for an input that nothing drives. Where the system has no
-    output angle_of_attack, it is attitude - flight_path_angle - wind.
+    Where the system has no output angle_of_attack, it is attitude - flight_path_angle - wind.
+    `InputError` for a missing signal, and for an input that a plant does not have; the third may be
+    deflection_acceleration.
     """
     remedy = "; name them with inputs=, or in a file by InputName and OutputName"
     require_signals("plant", "input", INPUTS, system.inputs, remedy)
@@ -534,19 +548,15 @@ def _with_angle_of_attack(system: LinearSystem) -> LinearSystem:
             f"plant has an input {unknown[0]}, which nothing drives: it may have deflection, wind"
             f" and {_ACCELERATION}"
         )
-    require_signals("plant", "output", _MEASURED[:2], system.outputs, "; name them with outputs=")
+    attitude, rate, path, angle = _MEASURED
+    remedy = "; name them with outputs="
+    require_signals("plant", "output", (attitude, rate), system.outputs, remedy)
     further = tuple(name for name in system.inputs if name == _ACCELERATION)
     system = system.select((*INPUTS, *further), system.outputs)
-    attitude, _, path, angle = _MEASURED
     if angle in system.outputs:
         return system
-    require_signals(
-        "plant",
-        "output",
-        (path,),
-        system.outputs,
-        ", nor angle_of_attack: one of the two is needed",
-    )
+    remedy = ", nor angle_of_attack: one of the two is needed"
+    require_signals("plant", "output", (path,), system.outputs, remedy)
     row = np.zeros(len(system.outputs))
     row[system.outputs.index(attitude)], row[system.outputs.index(path)] = 1.0, -1.0
     wind = np.eye(len(system.inputs))[1]  # the second input

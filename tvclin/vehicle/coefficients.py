@@ -29,12 +29,18 @@ _MAX_COEFFICIENT = 1e18
 
 
 def _number(kind: str, name: str, check: Callable[..., Any] = errors.finite) -> Mapping[str, Any]:
-    """Return the metadata of a coefficient called `name`, of a `kind` of `UNITS` and a `check`."""
+    """Return the metadata of the attribute `name` of `Coefficients`, a number.
+
+    `kind`: kind of quantity, a key of `UNITS`. `check`: of the value, from `tvclin.base.errors`.
+    """
     return spec(kind, label=name, key=name, check=check)
 
 
 def _if_unstable(name: str) -> Callable[[Any], Any]:
-    """Return the function of `Coefficients` to their property `name`; None unless all unstable."""
+    """Return a function of `Coefficients` that returns their property `name` for tables.
+
+    It returns None unless all vehicles of the batch are unstable, mu_alpha > 0.
+    """
     return lambda c: getattr(c, name) if np.all(np.asarray(c.mu_alpha) > 0.0) else None
 
 
@@ -90,12 +96,12 @@ class Coefficients(Record):
     name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Check all numbers, and set each to a float or, in a batch, to an array."""
+        """Check all numbers and the name; set each number to a float or, in a batch, an array."""
         checked = {
             name: item.check(name, getattr(self, name), item.si_unit)
             for name, item in parameters(Coefficients).items()
         }
-        errors.together(**checked)
+        errors.together(**checked)  # their shapes must broadcast
         for name, array in checked.items():
             errors.within(name, array, -_MAX_COEFFICIENT, _MAX_COEFFICIENT)
         smallest = np.abs(checked["mu_delta"]).min(initial=np.inf)
@@ -143,7 +149,7 @@ class Coefficients(Record):
         b2 = (v.thrust - v.axial_force - weight_along) / momentum
         C1 = b2 + v.normal_force_slope / momentum
         b1 = C1 + v.normal_force_slope * v.aerodynamic_arm / v.control_arm / momentum
-        turning = STANDARD_GRAVITY * np.cos(v.attitude) / v.velocity  # of the path by weight [1/s]
+        path_rate = STANDARD_GRAVITY * np.cos(v.attitude) / v.velocity  # g cos(Theta_n)/V_n [1/s]
         return cls(
             mu_alpha=mu_alpha,
             mu_delta=v.control_force * v.control_arm / v.moment_of_inertia,
@@ -151,7 +157,7 @@ class Coefficients(Record):
             C2=mu_alpha * STANDARD_GRAVITY * np.sin(v.attitude) / v.velocity,
             b1=b1,
             b2=b2,
-            q=turning**2 if plane == "pitch" else np.zeros_like(turning),
+            q=path_rate**2 if plane == "pitch" else np.zeros_like(path_rate),
             damping=v.pitch_damping / v.moment_of_inertia,
             velocity=v.velocity,
             name=v.name,
@@ -222,8 +228,9 @@ class Coefficients(Record):
             As `beta`.
         """
         beta, half = np.asarray(self.beta), np.asarray(self.damping) / 2.0
-        slowed = self.mu_alpha / (half + np.hypot(half, beta))  # without a difference
-        return errors.plain(np.where(half == 0.0, beta, slowed))
+        # the positive root of p^2 + damping p - mu_alpha, without a difference of close numbers
+        damped = self.mu_alpha / (half + np.hypot(half, beta))
+        return errors.plain(np.where(half == 0.0, beta, damped))
 
     @property
     def pole_symbol(self) -> str:
@@ -239,7 +246,9 @@ class Coefficients(Record):
     @property
     @derived(of=_if_unstable("K1"), document=False)
     def K1(self) -> Real:
-        """Ratio K1 = (p + b2)/(p + b1) of wind to deflection at the `pole` p, eq (15b).
+        """Ratio K1 = (p + b2)/(p + b1) at the unstable `pole` p, eq (15b).
+
+        -b2 and -b1 [1/s] are the zeros of the attitude from wind and from deflection, eq (B7).
 
         Raises
         ------

@@ -32,12 +32,6 @@ QUANTITIES = {
     "exit_arm": "length",
 }
 """Kinds of quantity of keys of vehicle files, by name; a coefficient is per q L/V."""
-_SOURCES = ("pitch_damping_coefficient", "jet_mass_flow")
-_REQUIRED_SOURCE = {
-    "reference_length": _SOURCES[0],
-    "inertia_rate": _SOURCES[1],
-    "exit_arm": _SOURCES[1],
-}
 
 
 def aerodynamic_damping(
@@ -152,8 +146,10 @@ def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
     an aerodynamic coefficient per q L/V and the numbers of the jet, whose dampings add up. The arm
     of the jet is the control arm unless exit_arm is given.
     """
+    coefficient, flow = "pitch_damping_coefficient", "jet_mass_flow"
+    sources = [name for name in (coefficient, flow) if name in values]
+    # QUANTITIES: names of all numbers of damping, which `Vehicle` does not have
     result = {name: value for name, value in values.items() if name not in QUANTITIES}
-    sources = [name for name in _SOURCES if name in values]
     if "pitch_damping" in values:
         if sources:
             raise InputError(
@@ -161,16 +157,17 @@ def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
                 " (pitch_damping is that of air and jet together)"
             )
         result["pitch_damping"] = values["pitch_damping"]
-    for name, source in _REQUIRED_SOURCE.items():
+    required = {"reference_length": coefficient, "inertia_rate": flow, "exit_arm": flow}
+    for name, source in required.items():
         if name in values and source not in values:
             raise InputError(f"{name} in {table.heading} needs {table.spelled(source)} beside it")
     dampings = []
-    if "pitch_damping_coefficient" in sources:
+    if coefficient in values:
         names = ("dynamic_pressure", "reference_area", "reference_length", "velocity")
         table.need(values, names)
         air = {name: values[name] for name in names}
-        dampings.append(aerodynamic_damping(values[sources[0]], "qL/V", **air))
-    if "jet_mass_flow" in sources:
+        dampings.append(aerodynamic_damping(values[coefficient], "qL/V", **air))
+    if flow in values:
         if "inertia_rate" not in values:
             raise InputError(
                 f"jet_mass_flow in {table.heading} needs {table.spelled('inertia_rate')}, the rate"
@@ -178,5 +175,5 @@ def damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
                 " bound of the damping"
             )
         arm = values.get("exit_arm", values["control_arm"])
-        dampings.append(jet_damping(values["jet_mass_flow"], arm, values["inertia_rate"]))
+        dampings.append(jet_damping(values[flow], arm, values["inertia_rate"]))
     return result | ({"pitch_damping": sum(dampings)} if dampings else {})

@@ -72,8 +72,8 @@ class Filter(Record):
     @property
     def _bytes(self) -> tuple[tuple[int, ...], bytes, tuple[int, ...], bytes]:
         """Shapes and coefficients of the filter, which can be compared and hashed."""
-        above, below = self.numerator, self.denominator
-        return above.shape, above.tobytes(), below.shape, below.tobytes()
+        numerator, denominator = self.numerator, self.denominator
+        return numerator.shape, numerator.tobytes(), denominator.shape, denominator.tobytes()
 
     def __post_init__(self) -> None:
         """Check both polynomials, divide them by the leading coefficient of the denominator.
@@ -180,7 +180,7 @@ class Filter(Record):
         return self.denominator.shape[-1] - 1
 
     def __call__(self, s: ArrayLike) -> ComplexArray:
-        """Return the values at complex frequencies s [1/s], after the leading axes of the batch.
+        """Return the values at complex frequencies s [1/s], ``(*batch, *s.shape)``.
 
         They are infinite at a pole. `InputError` for non-numbers, and for numbers beyond 1e12 1/s.
         """
@@ -201,41 +201,44 @@ class Filter(Record):
         the entries of A are of its size.
         """
         n = self.order
-        below = self.denominator
-        above = polynomials.add(self.numerator, np.zeros(n + 1))
-        unit = np.maximum(polynomials.bound(below), 1.0 / MAX_NUMBER)  # [rad/s], not zero
+        # the unit of frequency [rad/s], a bound of all poles that is not zero
+        unit = np.maximum(polynomials.bound(self.denominator), 1.0 / MAX_NUMBER)
         powers = unit[..., np.newaxis] ** np.arange(n + 1)
-        below, above = below / powers, above / powers
+        a = self.denominator / powers
+        b = polynomials.add(self.numerator, np.zeros(n + 1)) / powers  # as long as a
         # (b_0 s^n + .. + b_n)/(s^n + a_1 s^(n-1) + .. + a_n): D = b_0, C = b_k - a_k b_0.
         A = np.zeros((*self.batch, n, n)) + np.eye(n, k=1)
         B = np.zeros((*self.batch, n, 1))
         if n:
-            A[..., -1, :], B[..., -1, 0] = -below[..., :0:-1], 1.0
-        C = (above - above[..., :1] * below)[..., np.newaxis, :0:-1]
+            A[..., -1, :], B[..., -1, 0] = -a[..., :0:-1], 1.0
+        C = (b - b[..., :1] * a)[..., np.newaxis, :0:-1]
         frequency = unit[..., np.newaxis, np.newaxis]
-        return A * frequency, B * frequency, C, above[..., np.newaxis, :1]
+        return A * frequency, B * frequency, C, b[..., np.newaxis, :1]
 
 
 def filter_cells(filter_: Filter, name: str) -> tuple[Line, Line, Line]:
-    """Return zeros, poles and gain of a filter as cells of a table.
+    """Return zeros, poles and gain of one filter as cells of a table.
 
-    `name`: start of the names of the numbers. A complex pair has a frequency and a damping. The
+    `name`: first part of the keys of the numbers. A complex pair has a frequency and a damping. The
     gain is that at s = 0; where that is zero or infinite, the ratio of the leading coefficients.
     """
-    above = np.trim_zeros(filter_.numerator, "f")
-    zeros = _roots_line(f"{name}.zeros", np.roots(above))
+    numerator = np.trim_zeros(filter_.numerator, "f")  # without leading zeros
+    zeros = _roots_line(f"{name}.zeros", np.roots(numerator))
     poles = _roots_line(f"{name}.poles", np.roots(filter_.denominator))
     if filter_.numerator[-1] and filter_.denominator[-1]:
         static_gain = filter_.numerator[-1] / filter_.denominator[-1]
         return zeros, poles, significant(f"{name}.rest", static_gain, 5, "at rest")
-    lead = above[0] if above.size else 0.0
+    lead = numerator[0] if numerator.size else 0.0  # the denominator begins with 1
     return zeros, poles, significant(f"{name}.lead", lead, 5, "of the leading coefficients")
 
 
 def _roots_line(name: str, roots: AnyArray) -> Line:
-    """Return `roots` [1/s] as a line of numbers called `name`: pairs by frequency and damping."""
+    """Return the cell of a table that lists `roots` [1/s]: pairs by frequency and damping.
+
+    `name`: first part of the keys of the numbers. Without roots the cell is "none".
+    """
     line: Line = ()
-    for k, root in enumerate(roots[np.imag(roots) >= 0.0]):
+    for k, root in enumerate(roots[np.imag(roots) >= 0.0]):  # of a pair the upper root
         line += (", ",) if k else ()
         if np.imag(root):
             size = float(np.abs(root))

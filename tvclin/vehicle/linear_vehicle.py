@@ -36,13 +36,16 @@ COEFFICIENTS_TABLE = FileTable(
 
 
 def _coefficient(name: str, label: str = "") -> Field:
-    """Return the field of a coefficient `name`, with a `label`; None where it is not known."""
+    """Return the specification of a coefficient of `LinearVehicle`, for its tables and documents.
+
+    `name`: attribute of `Coefficients`. `label`: text in tables, by default the name.
+    """
 
     def value(vehicle: LinearVehicle) -> Any:
-        """Return the coefficient of a vehicle; None where it is not known, and for no damping."""
-        has_value = vehicle.path_known or name not in _PATH_COEFFICIENTS
+        """Return the coefficient `name` of a vehicle; None if it is unknown or a zero damping."""
+        known = vehicle.path_known or name not in _PATH_COEFFICIENTS  # C1, C2, b1, b2 and q
         number = getattr(vehicle.coefficients, name)
-        return number if has_value and (number or name != "damping") else None
+        return number if known and (number or name != "damping") else None
 
     return Field(name, _NUMBERS[name].kind, of=value, label=label or name)
 
@@ -101,8 +104,9 @@ class LinearVehicle:
         return lines(title, card_rows(self))
 
     def coefficients_for(self, model: str) -> Coefficients:
-        """Return the coefficients for a model; `InputError` if the model has unknown ones."""
+        """Return the coefficients; `InputError` if they do not suffice for a `model` by name."""
         if text("model", model) != FIXED_PATH and not self.path_known:
+            # [1:-1]: without the quotes of `shown`
             raise InputError(
                 f'model "{shown(model)[1:-1]}" needs C1, C2, b1, b2 and q beside mu_alpha and'
                 f' mu_delta; give them in {COEFFICIENTS_TABLE.heading}, or take "{FIXED_PATH}"'
@@ -136,10 +140,10 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     >>> tv.vehicle.load_any_vehicle("configuration-i").weight
     1480000.0
     """
-    words, name = read_vehicle_text(source)
+    content, name = read_vehicle_text(source)
     document = source_tables(source)
     if COEFFICIENTS not in document or "vehicle" in document:
-        return parse_vehicle(words, name)
+        return parse_vehicle(content, name)
     with naming(called(name)):
         for key in document.keys() - {COEFFICIENTS}:
             raise InputError(
@@ -150,32 +154,42 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
 
 
 def coefficients_of(vehicle: AnyVehicle, plane: str = "pitch") -> Coefficients:
-    """Return the coefficients of a vehicle in a `plane`, "pitch" or "yaw"; linear: in its own."""
+    """Return the coefficients of a vehicle in a `plane`, "pitch" or "yaw".
+
+    Those of a `LinearVehicle` belong to one plane, whichever it is, and are returned unchanged.
+    """
     if isinstance(vehicle, LinearVehicle):
         return vehicle.coefficients
     return Coefficients.from_vehicle(vehicle, plane)
 
 
 def complete_vehicle(vehicle: AnyVehicle, what: str) -> Vehicle:
-    """Return the vehicle; `InputError` that `what` needs a `Vehicle` for a `LinearVehicle`."""
+    """Return the vehicle; `InputError` for a `LinearVehicle`, which has coefficients alone.
+
+    `what`: the answer that needs mass, thrust and speed too, for the message.
+    """
     if isinstance(vehicle, LinearVehicle):
         raise InputError(incomplete_vehicle_message(what))
     return vehicle
 
 
 def _vehicle_from_table(row: Mapping[str, Any]) -> LinearVehicle:
-    """Return the vehicle of the table [coefficients], whose keys and values are `row`."""
+    """Return the vehicle of the table [coefficients], whose keys and values are `row`.
+
+    It holds mu_alpha and mu_delta, or beta and B; C1, C2, b1, b2 and q, or none of these five; and
+    perhaps damping and name. `InputError` for another choice.
+    """
     table = COEFFICIENTS_TABLE
-    values = table.read(row)
-    name = values.get("name", "")
-    by_beta = values.keys() & _BY_BETA
-    if by_beta and values.keys() & set(_SLOPES):
+    values = table.read(row)  # in SI units, by name
+    by_beta = values.keys() & _BY_BETA  # beta and B
+    if by_beta and values.keys() & set(_SLOPES):  # mu_alpha and mu_delta
         raise InputError(
             f"{table.heading} must have mu_alpha and mu_delta, or beta and B, not some of each"
         )
     table.need(values, _BY_BETA if by_beta else _SLOPES)
-    path = values.keys() & set(_PATH_COEFFICIENTS)
-    if path:
+    path_known = bool(values.keys() & set(_PATH_COEFFICIENTS))  # C1, C2, b1, b2, q
+    if path_known:
         table.need(values, _PATH_COEFFICIENTS)
     coefficients = Coefficients.from_beta(**values) if by_beta else Coefficients(**values)
-    return LinearVehicle(coefficients=coefficients, name=name, path_known=bool(path))
+    name = values.get("name", "")
+    return LinearVehicle(coefficients=coefficients, name=name, path_known=path_known)

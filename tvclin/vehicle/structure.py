@@ -34,9 +34,9 @@ class _Batched:
     """Part of a structure whose numbers belong to one vehicle or to a batch."""
 
     def __post_init__(self) -> None:
-        """Check all numbers, set each to a float or an array; refuse shapes that do not broadcast.
+        """Check all numbers, and set each to a float or an array.
 
-        A number that is None by default may stay it.
+        A number whose default is None may be None. `InputError` for shapes that do not broadcast.
         """
         optional = {item.name for item in fields(self) if item.default is None}
         for item in fields_of(self):
@@ -44,7 +44,7 @@ class _Batched:
             if value is not None or item.name not in optional:
                 checked = item.check(item.name, value, item.si_unit)
                 object.__setattr__(self, item.name, plain(checked))
-        _ = self.batch
+        _ = self.batch  # raises unless the shapes broadcast
 
     @cached_property
     def batch(self) -> tuple[int, ...]:
@@ -277,7 +277,7 @@ class Structure(_Batched):
         return [*tables, *([Table("Sensors", head, sensors)] if sensors else [])]
 
     def _rows(self) -> list[Row]:
-        """Return label, value and unit of every number of modes, tanks and engine, for a card."""
+        """Return label, value and unit of every number of modes, tanks and engine, for `repr`."""
         elements: dict[str, Any] = {
             f"bending {k}": mode for k, mode in enumerate(self.bending, start=1)
         }
@@ -293,11 +293,11 @@ class Structure(_Batched):
     def parts(self) -> str:
         """Text that lists modes, tanks, engine and lags of the structure."""
         counted = (("bending mode", len(self.bending)), ("tank", len(self.slosh)))
-        words = [plural(count, name) for name, count in counted if count]
-        words += ["engine with inertia"] * (self.engine is not None)
+        texts = [plural(count, name) for name, count in counted if count]
+        texts += [] if self.engine is None else ["engine with inertia"]
         lags = {"attitude sensor": self.attitude_sensor, "rate gyro": self.rate_gyro}
-        words += [f"lag of the {name}" for name, lag in lags.items() if lag is not None]
-        return ", ".join(words)
+        texts += [f"lag of the {name}" for name, lag in lags.items() if lag is not None]
+        return ", ".join(texts)
 
     def _repr_html_(self) -> str:
         """Return modes, tanks and engine as a table in HTML."""
@@ -314,16 +314,17 @@ class Structure(_Batched):
 
 
 def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) -> Any:
-    """Return `value`, a structure or a part of it, for some cases of a batch of a `shape`.
+    """Return `value` with its numbers for some cases of a batch of the shape `shape`.
 
-    `cases`: flat positions ``(k,)`` in the batch, to which all numbers broadcast, or one position.
+    `value`: a vehicle, a structure, an element or a number of them; its numbers broadcast to
+    `shape`. `cases`: flat positions ``(k,)`` in the batch, or one position.
     """
     if isinstance(value, Filter):
-        rows = [
-            np.broadcast_to(row, (*shape, row.shape[-1]))
-            for row in (value.numerator, value.denominator)
+        polynomials = [
+            np.broadcast_to(coefficients, (*shape, coefficients.shape[-1]))
+            for coefficients in (value.numerator, value.denominator)
         ]
-        return Filter(*(row.reshape(-1, row.shape[-1])[cases] for row in rows))
+        return Filter(*(rows.reshape(-1, rows.shape[-1])[cases] for rows in polynomials))
     if isinstance(value, tuple):
         return tuple(select_cases(element, cases, shape) for element in value)
     if is_dataclass(value):
@@ -339,7 +340,10 @@ def select_cases(value: Any, cases: IndexArray | int, shape: tuple[int, ...]) ->
 
 
 def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
-    """Yield name and shape of every number in `value`, a structure or a part called `name`."""
+    """Yield name and shape of every number in `value`: a structure, an element or a number.
+
+    `name`: of the value; a number of an element has names such as "bending 1 frequency".
+    """
     if isinstance(value, Filter):
         yield name, value.batch
     elif is_dataclass(value):
@@ -355,13 +359,13 @@ def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
 def _element_tables(caption: str, name: str, elements: Sequence[Any]) -> Iterator[Table]:
     """Yield the table of elements of one kind, a column each; nothing without elements.
 
-    `caption`: above the table. `name`: heading of a column, before the number of the element, and
-    first part of the names of the numbers. `elements`: modes, tanks or engines.
+    `caption`: above the table. `name`: of the kind, as in headings "bending 1" and in the keys of
+    the numbers. `elements`: modes, tanks or engines. A quantity that none of them has is omitted.
     """
     if not elements:
         return
     rows: list[tuple[Line, ...]] = []
-    for item in fields_of(elements[0]):
+    for item in fields_of(elements[0]):  # label, unit and value of each quantity
         values = [item.value(element) for element in elements]
         if any(value is not None for value in values):
             cells = (

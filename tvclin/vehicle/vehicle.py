@@ -35,7 +35,10 @@ _MAX_VELOCITY = 11.2e3
 
 
 def _checked_attitude(name: str, value: ArrayLike, unit: str) -> FloatArray:
-    """Return angles `value` [`unit`: rad] as an array; `InputError` about `name` from 90 deg on."""
+    """Return angles `value` [rad] as an array; `InputError` for sizes above 90 degrees.
+
+    `name`, `unit`: of the angles, for the message.
+    """
     array = errors.finite(name, value, unit)
     beyond = array[np.abs(array) > np.pi / 2]
     if beyond.size:
@@ -132,7 +135,10 @@ class Vehicle:
     structure: Structure | None = None
 
     def __post_init__(self) -> None:
-        """Check all numbers, and set each to a float or, in a batch, to an array."""
+        """Check all fields; set each number to a float or, in a batch, to an array.
+
+        One `InputError` lists all faults of single numbers. A structure without parts becomes None.
+        """
         errors.text("name", self.name)
         errors.text("numbers_from", self.numbers_from)
         checked, faults = {}, errors.Faults()
@@ -142,7 +148,7 @@ class Vehicle:
                     value = item.check(item.name, getattr(self, item.name), item.si_unit)
                     checked[item.name] = value
         faults.tell()
-        errors.together(**checked)
+        errors.together(**checked)  # their shapes must broadcast
         for name, array in checked.items():
             _check_size(name, array)
             object.__setattr__(self, name, errors.plain(array))
@@ -242,7 +248,10 @@ class Vehicle:
 
 
 def _check_size(name: str, array: FloatArray) -> None:
-    """Raise `InputError` about `name` if products of numbers in `array` over- or underflow."""
+    """Raise `InputError` about `name` for sizes whose products over- or underflow.
+
+    `array`: numbers in SI units, of size 1e-9 to 1e18, or zero; of some names with no smallest.
+    """
     size = np.abs(array)
     tiny = (size < _MIN_SIZE) & (size > 0.0) & (name not in _UNBOUNDED_BELOW)
     if np.any(tiny | (size > _MAX_SIZE)):

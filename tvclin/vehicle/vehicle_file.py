@@ -110,14 +110,17 @@ def load_vehicle(source: str | PathLike[str]) -> Vehicle:
 
 
 def read_vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
-    """Return text and name of a vehicle file by its path or, of `list_vehicles`, name `source`."""
+    """Return the text of a vehicle file, and its name for messages.
+
+    `source`: name of a vehicle of the package (`list_vehicles`), or path of a TOML or CSV file.
+    """
     path, text = a_path("vehicle", source, "a name or a path"), fspath(source)
     if text in list_vehicles():
         resource = files("tvclin.vehicle").joinpath("shipped", f"{text}.toml")
         return resource.read_text(encoding="utf-8"), text
     looks_like_a_path = isinstance(source, PathLike) or path.suffix or path.name != text
     if not looks_like_a_path and not exists(path):
-        one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())
+        one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())  # raises
     name = called(path)
     start = f"write one with: tvclin init {name}, or a study file with: tvclin init --study {name}"
     if is_csv(path):
@@ -132,8 +135,9 @@ def source_tables(source: str | PathLike[str]) -> dict[str, Any]:
 
 
 def is_csv(source: str | PathLike[str]) -> bool:
-    """Return whether a source is a flight schedule in CSV, by its name."""
+    """Return whether a source is a flight schedule in CSV: by its ending, or edited tables."""
     name = str(a_path("source", source, "a name or a path")).lower()
+    # an `EditedSource` has `tables` that replace the content of its file, then it is no CSV
     return name.endswith(".csv") and getattr(source, "tables", None) is None
 
 
@@ -148,15 +152,15 @@ def is_schedule_document(document: Mapping[str, Any]) -> bool:
 
 
 def parse_vehicle(text: str, source: str) -> Vehicle:
-    """Return the vehicle of a TOML text; `source` is its name in messages.
+    """Return the vehicle of a TOML `text`; `source` is the name of its file in messages.
 
-    One `InputError` tells the faults of all its tables.
+    `InputError` with the faults of all its tables, a line each; and for a flight schedule.
     """
     if is_csv(source) or is_schedule_document(tables_of(text, source)):
         raise InputError(missing_time_message(source))
     faults, vehicle, structure = Faults(), None, None
     with faults.kept():
-        table_of(text, source, VEHICLE_TABLE)
+        table_of(text, source, VEHICLE_TABLE)  # raises for faulty headings
     document = tables_of(text, source)
     with faults.kept(), naming(called(source)):
         structure = build_structure(document)
@@ -186,10 +190,10 @@ def incomplete_vehicle_message(what: str) -> str:
 
 
 def table_of(text: str, source: str, table: FileTable) -> dict[str, Any]:
-    """Return the table of a vehicle file that `table` declares; empty where [flight] is missing.
+    """Return keys and values of one table of a vehicle file; empty if the file does not have it.
 
-    `text`: of the file. `source`: its name in messages. `InputError` for other headings, and for a
-    file without [vehicle].
+    `text`: of the file. `source`: its name in messages. `table`: declaration of the table, with its
+    heading. `InputError` for unknown headings, and for a file without [vehicle].
     """
     document, source = tables_of(text, source), called(source)
     if COEFFICIENTS in document:
@@ -212,18 +216,25 @@ def template() -> str:
 
 
 def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle:
-    """Return the vehicle of a table `row` of keys with units; `heading` names it in messages."""
+    """Return the vehicle of a table `row` of keys with units; `heading` names it in messages.
+
+    Aerodynamic coefficients may stand in place of normal and axial force, a mass in place of the
+    weight, and sources of the damping in place of pitch_damping. `InputError` for a missing key.
+    """
     table = replace(VEHICLE_TABLE, heading=heading)
     values = _with_weight(damping_of(table.read(row), table), table)
     table.need(values, _REQUIRED)
-    aerodynamic = values.keys() & _AERODYNAMICS
+    aerodynamic = values.keys() & _AERODYNAMICS  # dynamic pressure, area, coefficients
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
     build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
     return build(**values)
 
 
 def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
-    """Return the keys and values of a vehicle's table in SI units, as for `build_vehicle`."""
+    """Return keys, with SI units, and values of a vehicle's table [vehicle], without structure.
+
+    `build_vehicle` makes the same vehicle of them.
+    """
     numbers = {name: getattr(vehicle, name) for name in NUMBERS}
     defined = {name: float(value) for name, value in numbers.items() if value is not None}
     words = {key: getattr(vehicle, key) for key in ("name", "numbers_from")}
@@ -239,7 +250,11 @@ def vehicle_file(vehicle: Vehicle) -> str:
 
 
 def numbers_as_written(source: str | PathLike[str]) -> dict[str, tuple[float, str]]:
-    """Return number and unit of each key of the vehicle file `source`, by name; empty if none."""
+    """Return number and unit of each key of [vehicle], as written in the file, by name.
+
+    `source`: a vehicle file, or a study file with the edited source of its vehicle under [study];
+    empty for a file without [vehicle].
+    """
     tables = source_tables(source)
     vehicle = tables.get("study", {}).get("vehicle")
     row = (source_tables(vehicle) if isinstance(vehicle, EditedSource) else tables).get("vehicle")
@@ -249,7 +264,8 @@ def numbers_as_written(source: str | PathLike[str]) -> dict[str, tuple[float, st
 def _with_weight(values: dict[str, Any], table: FileTable) -> dict[str, Any]:
     """Return the numbers of a vehicle with its weight m g [N] in place of a mass m [kg].
 
-    `values`: numbers in SI units by name. `table`: their declaration, for messages.
+    `values`: numbers in SI units by name. `table`: their declaration, for messages. `InputError`
+    unless either weight or mass is given.
     """
     if "mass" not in values:
         if "weight" not in values:
@@ -282,7 +298,11 @@ def build_structure(document: Mapping[str, Any]) -> Structure:
 def _built_elements(
     table: FileTable, document: Mapping[str, Any], make: Callable[..., Any]
 ) -> tuple[Any, ...]:
-    """Return what `make` returns of each row of a `table` in `document`; errors name the row."""
+    """Return the elements of a repeated `table` of a vehicle file, such as modes or tanks.
+
+    `document`: tables of the file by heading. `make`: function from the numbers of a row, in SI
+    units by name, to an element. An `InputError` gets the number of the row in front.
+    """
     values = []
     for k, row in enumerate(table.each(document), start=1):
         with naming(f"{table.name} {k}"):
@@ -291,7 +311,11 @@ def _built_elements(
 
 
 def bending_mode(**numbers: Any) -> BendingMode:
-    """Return the bending mode of `numbers` of [[bending]] by name, with tank slopes in any unit."""
+    """Return the bending mode of the numbers of a table [[bending]], in SI units by name.
+
+    Only slopes at the tanks are still in the unit of their key, as tank_slopes_per_ft.
+    """
+    # _TANK_SLOPES: factors to 1/m by key
     slopes = {key: numbers.pop(key) for key in _TANK_SLOPES if key in numbers}
     if len(slopes) > 1:
         raise InputError(f"tank_slopes is given twice, as {' and '.join(slopes)}; keep one")
@@ -303,10 +327,14 @@ def bending_mode(**numbers: Any) -> BendingMode:
 
 
 def _sensor_lag(name: str, sensors: Mapping[str, float]) -> Filter | None:
-    """Return the lag of a sensor `name` by `sensors`, its frequency and damping; None without."""
+    """Return the lag of the sensor `name`, of first order without a damping; None without a lag.
+
+    `sensors`: natural frequencies [rad/s] and dampings of both sensors, by name. `InputError` for a
+    damping alone.
+    """
     frequency, damping = sensors.get(f"{name}_frequency"), sensors.get(f"{name}_damping")
     if frequency is None:
         if damping is not None:
-            SENSORS_TABLE.need(sensors, (f"{name}_frequency",))
+            SENSORS_TABLE.need(sensors, (f"{name}_frequency",))  # raises
         return None
     return Filter.low_pass(frequency, damping)
