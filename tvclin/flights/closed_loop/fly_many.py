@@ -8,6 +8,7 @@ deflection limit has less gain. That is decided by a further flight in still air
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,7 +20,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, spec
 from tvclin.control.autopilot.actuator import Actuator, check_engine
-from tvclin.flights.closed_loop.batch import Batch, Hardware
+from tvclin.flights.closed_loop.batch import Batch, Hardware, flights
 from tvclin.flights.closed_loop.checks import (
     MAX_POLE_TIMES_SAMPLE,
     MAX_SAMPLES,
@@ -279,6 +280,30 @@ def fly_many(
     flyable = batch if np.all(possible) else batch.only(possible)
     f = flown(flyable)
     return flown_cases(f, possible, unstable_loops(flyable, f))
+
+
+def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
+    """Return the function from deflection limits [rad], ``(n,)``, to the status of their flights.
+
+    `flight`: batch of one flight, whose own limit is not used. Its matrices are computed once; the
+    outcomes are those of `fly_many` for limits that are positive and within 90 degrees.
+    """
+    if not np.all(decidable(flight.plant)):
+        return lambda limits: np.full(limits.shape, NO_FLIGHT)
+    start = flights(flight)
+
+    def status(limits: FloatArray) -> NDArray[np.str_]:
+        """Return the status of flights with limits [rad], ``(n,)``."""
+        cases, now = (
+            (np.repeat(array, limits.size, axis=0) for array in arrays)
+            for arrays in (start.cases, start.now)
+        )
+        f = start._replace(cases=Cases._make(cases), now=FlightStates._make(now))
+        f.cases.limit[:] = limits
+        finish(f, flight.laws)
+        return flown_cases(f, np.ones(limits.shape, bool), unstable_loops(flight, f)).status
+
+    return status
 
 
 def unstable_loops(batch: Batch, f: Flights) -> BoolArray:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 from itertools import count
 from typing import Any
 
@@ -31,7 +31,12 @@ from tvclin.flights.closed_loop.checks import (
     check_sample_rate,
     check_samples,
 )
-from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT, SURVIVED, UNDECIDED, fly_many
+from tvclin.flights.closed_loop.fly_many import (
+    MAX_DEFLECTION_LIMIT,
+    SURVIVED,
+    UNDECIDED,
+    status_by_limit,
+)
 from tvclin.flights.closed_loop.sampled_stability import MIN_FREQUENCY_OVER_POLE, dominant_pole
 from tvclin.kernels.choice import repeated
 from tvclin.linear.flexible import AnyPlant
@@ -357,8 +362,13 @@ def closed_loop_boundary(
     scale = abs(float(plant.coefficients.B) * float(wind.peak))  # the largest trim deflection [rad]
     check_fastest_pole(plant, length)
     winds = winds_with_stops(wind, cuts, length)
-    nozzle: dict[str, Any] = {"rate_limit": max_rate, "actuator": actuator, "gain": factor}
-    outcomes = partial(fly_many, plant, law, sample_rate=1.0 / length, delay=delays, **nozzle)
+    hardware = Hardware(length, delays, actuator, max_rate)
+
+    @cache
+    def flight(wind: History) -> Callable[[FloatArray], Words]:
+        """Return the function from deflection limits [rad] to the status of flights in a wind."""
+        return status_by_limit(one_flight(plant, law, wind, scale, hardware, factor))
+
     flown, total = count(1), (1 + LEVELS) * len(winds)  # a scan and its refinements fly each wind
 
     def tell() -> None:
@@ -371,8 +381,7 @@ def closed_loop_boundary(
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
             """Return the status in one wind of flights with the limits where `chosen` is true."""
-            deflections = np.minimum(limits[chosen] * scale, MAX_DEFLECTION_LIMIT)
-            return outcomes(wind=wind, deflection_limit=deflections).status
+            return flight(wind)(np.minimum(limits[chosen] * scale, MAX_DEFLECTION_LIMIT))
 
         return status_in_all_winds(winds, status, limits.size, tell)
 
@@ -380,7 +389,6 @@ def closed_loop_boundary(
         scan = limit_above_losses(status_at, np.linspace(low, high, STEPS + 1))
     # The loop in its linear range, at that limit, on which some laws depend
     at = scan.limit if np.isfinite(scan.limit) else high
-    hardware = Hardware(length, delays, actuator, max_rate)
     batch = one_flight(plant, law, wind, at * scale, hardware, factor)
     worst, fastest = dominant_pole(batch), float(modes.poles[0])
     unstable = worst.real > _MIN_GROWTH_OVER_POLE * fastest
