@@ -68,6 +68,7 @@ def study_warnings(findings: Findings) -> Iterator[str]:
     for name, boundary in s.boundaries.items():
         for status in dict.fromkeys(str(status) for status in boundary.status if status != "ok"):
             yield f"boundaries on the {name} model: {status}"
+    # the slow mode and linear aerodynamics are assumptions
     yield from (note for note in s.notes if OUTLASTS not in note and DOUBTFUL not in note)
     yield from nominal_notes(findings)
     yield from findings.warnings
@@ -125,15 +126,12 @@ def _linear(findings: Findings) -> Iterator[Assumption]:
     """Yield the assumption of linear aerodynamics, with the largest angle of attack in findings.
 
     That [rad] is the peak of the wind, of its vector where both planes are judged, or what the
-    autopilot reaches in it. It is doubtful beyond `MAX_CERTAIN_ANGLE`; so is a larger wind that the
-    limit survives.
+    autopilot reaches in it; `plane_ratio` makes an angle in this plane one of both. It is doubtful
+    beyond `MAX_CERTAIN_ANGLE`; so is a larger wind that the limit survives.
     """
     s, c = findings.study, findings.comparison
-    angle = abs(
-        float(
-            s.slanting.peak if s.judges_both_planes and s.slanting is not None else s.history.peak
-        )
-    )
+    vector = s.slanting if s.judges_both_planes else None
+    angle = abs(float(s.history.peak if vector is None else vector.peak))
     if c is not None and np.isfinite(c.peak_angle_of_attack):
         angle = max(angle, c.peak_angle_of_attack * s.plane_ratio)
     reached = degrees("assumptions.angle_of_attack", angle, 1, "deg")
@@ -199,11 +197,11 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
     s, total = findings.flight  # sizing, and its worst total
     if total.time is None:
         return
-    i = int(np.argmin(np.abs(s.times - total.time)))
-    requirement = Requirement(dead_band=s.dead_bands[0])
-    counted = requirement in s.freezing_error
+    i = int(np.argmin(np.abs(s.times - total.time)))  # index of its flight time
+    requirement = Requirement(dead_band=s.dead_bands[0])  # with frozen parameters
+    counted = requirement in s.freezing_error  # whether it is computed with varying ones too
     deflections = s.required[replace(requirement, varying=counted)][i]
-    j = int(np.nanargmax(deflections))
+    j = int(np.nanargmax(deflections))  # index of the wind
     changes = float(s.change[i, j])
     percent = number("assumptions.change_percent", 100.0 * changes, 1, "%")
     change_text: Line = (" at the worst flight time beta or B changes by up to ", *percent)
@@ -291,15 +289,11 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
         limit_text = significant("assumptions.rate_limit", np.degrees(rate_limit), unit="deg/s")
         words = "The boundary does not count the rate limit of the nozzle, "
         counts = ". The questions of the rate and of flights do."
-        state = "doubt" if _too_fast(findings, rate_limit) else "ok"
+        # rates [rad/s] of the autopilot, in both planes where both are judged, and of theory
+        flown = 0.0 if c is None else c.peak_deflection_rate * findings.study.plane_ratio
+        theory = 0.0 if findings.rates is None else findings.rates.required_rate
+        state = "doubt" if flown > rate_limit or theory > rate_limit else "ok"
         yield Assumption(state, (words, *limit_text, counts, *rate_text))
-
-
-def _too_fast(findings: Findings, rate_limit: float) -> bool:
-    """Return whether theory or the autopilot of findings requires more than a rate [rad/s]."""
-    c, front = findings.comparison, findings.rates
-    turns = 0.0 if c is None else c.peak_deflection_rate * findings.study.plane_ratio
-    return turns > rate_limit or (front is not None and front.required_rate > rate_limit)
 
 
 def nominal_notes(findings: Findings) -> Iterator[str]:

@@ -137,9 +137,9 @@ def template() -> str:
 def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campaign:
     """Return the campaign of a document; `folder`: where the files that it names are.
 
-    `document`: tables of the file by name. Exceptions as `load_campaign`. In a pulse the default
-    dispersions are assumed where the file has none. With ``along = true`` the cases fly along the
-    whole flight, and the output is that flight.
+    `document`: tables of the file by name. In a pulse the default dispersions are assumed where the
+    file has none. With ``along = true`` the cases fly along the whole flight, and the output is
+    that flight. `InputError` for an unknown key, and for values out of range.
     """
     subject = subject_of(document, folder)
     if PLANT_TABLE.name in document:
@@ -279,9 +279,9 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if "structure" in table:
         schedule = with_structure(schedule, table["structure"], folder)
     flight = {"schedule": _as_specified(schedule, document), "source": source}
-    named = isinstance(vehicle, str)
-    same = named and Path(vehicle_source(source, folder)) == Path(vehicle_source(vehicle, folder))
-    if same or not _is_vehicle(vehicle_source(source, folder)):
+    named, found = isinstance(vehicle, str), vehicle_source(source, folder)
+    same = named and Path(found) == Path(vehicle_source(vehicle, folder))
+    if same or "vehicle" not in source_tables(found):  # another source is a table of flight times
         return flight
     name = vehicle if named else vehicle.get("name") or "given by its numbers"
     return flight | {"another": name}
@@ -297,7 +297,13 @@ def with_flight_data(
     """
     same = {"vehicle": vehicle, "nozzle": nozzle}
     table, time = document.get("schedule"), getattr(vehicle, "time", None)
-    if not isinstance(vehicle, Vehicle) or (table is None and not _is_of_flight(document, folder)):
+    if not isinstance(vehicle, Vehicle):
+        return same
+    sources = [document.get(name, {}).get("vehicle") for name in ("study", "campaign")]
+    if table is None and not any(
+        isinstance(source, str) and is_schedule(vehicle_source(source, folder))
+        for source in sources
+    ):  # neither the file nor its vehicle has a flight
         return same
     flight = flight_of(document, folder)
     schedule: FlightSchedule = flight["schedule"]
@@ -336,20 +342,6 @@ def _as_specified(schedule: FlightSchedule, document: Mapping[str, Any]) -> Flig
     return schedule
 
 
-def _is_of_flight(document: Mapping[str, Any], folder: Path) -> bool:
-    """Return whether the vehicle of a document is that of a flight schedule at a time.
-
-    `document`: tables of the file; `folder`: where the files that it names are.
-    """
-    vehicles = [document.get(name, {}).get("vehicle") for name in ("study", "campaign")]
-    return any(isinstance(v, str) and is_schedule(vehicle_source(v, folder)) for v in vehicles)
-
-
-def _is_vehicle(source: str | Path) -> bool:
-    """Return whether the source of a flight is a vehicle, not a table of its times."""
-    return "vehicle" in source_tables(source)
-
-
 def is_rigid(document: Mapping[str, Any]) -> bool:
     """Return whether [study] of a document leaves out the structure of its vehicle."""
     rigid = STUDY_TABLE.one(document).get("rigid", False)
@@ -366,14 +358,15 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     """
     faults = Faults()
     with faults.kept():
-        vehicle = () if {"study", "campaign"} & document.keys() else HEADINGS
+        # a file without [study] and [campaign] may be a vehicle file
+        vehicle_tables = () if {"study", "campaign"} & document.keys() else HEADINGS
         loose = [key for key, value in document.items() if not isinstance(value, dict | list)]
         if loose and loose[0] not in {*HEADINGS, *(table.name for table in TABLES)}:
             raise InputError(
                 f"key {shown(loose[0])} stands in no table; write the table above it, such as"
                 " [vehicle] or [study]"
             )
-        check_known("table", document, [*vehicle, *(table.name for table in TABLES)])
+        check_known("table", document, [*vehicle_tables, *(table.name for table in TABLES)])
     for table in _SINGLE_TABLES:
         with faults.kept():
             keys = table.one(document)

@@ -139,7 +139,10 @@ class Findings:
             return None
         head = None if self.head is None else self.head.stop
         return AutopilotRequirement(
-            self.stop, head, counts_head(self.study), self.study.plane_ratio
+            nominal=self.stop,
+            head=head,
+            head_counts=counts_head(self.study),
+            plane_ratio=self.study.plane_ratio,
         )
 
     @property
@@ -257,7 +260,7 @@ def find(
         comparison = result("comparison", lambda *_: _comparison(study, loop))
         flexible = result("flexible", lambda *_: _flexible(plan, study, loop))
         flying = flexible or comparison
-        flight = result("flight", partial(_flight, plan))
+        flight = result("flight", partial(_flight, plan))  # sizing, worst total, and turbulence
         return Findings(
             plan=plan,
             study=study,
@@ -334,7 +337,7 @@ def _trials(
 
     plant = plant_of(plan.vehicle, plan.law_model, plan.plane)
     nozzle = plan.hardware | {"sample_rate": request.sample_rate}
-    autopilot = None if plan.design is None else loop()[1]
+    _, autopilot = (None, None) if plan.design is None else loop()
     laws = standard_laws(plant.rigid, study.wind.peak, autopilot, nozzle["rate_limit"])
     winds = standard_winds(study.wind.peak, study.wind.duration)
     if plan.vehicle.structure is None:
@@ -404,7 +407,8 @@ def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
     from tvclin.requirement.autopilot_requirement import autopilot_boundary
 
     if isinstance(loop, FlexibleAnswer):
-        return loop.boundaries[0]
+        flexible, _ = loop.boundaries  # the second is that of the rigid vehicle
+        return flexible
     return autopilot_boundary(plan, loop.plant, loop.autopilot, study.plane_ratio)
 
 
@@ -440,7 +444,7 @@ def _in_a_head_wind(
                 return denser.plant, loop()[1]
 
             turbulence = _turbulence(denser, study, denser_loop, plan.turbulence)
-    return HeadWind(stop, rates, loads, turbulence)
+    return HeadWind(stop=stop, rates=rates, loads=loads, turbulence=turbulence)
 
 
 def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:
@@ -477,10 +481,16 @@ def _turbulence(
 
     if study.judges_both_planes:
         raise InputError("turbulence is answered in one plane; leave out the limit of both planes")
-    wind, limit = study.history, plan.nozzle.limit
-    altitude = _altitude(plan) if request.needs_altitude else None
+    plant, autopilot = loop()
     return LoopInTurbulence.of(
-        request, plan.vehicle, *loop(), wind, limit, altitude, load=plan.load
+        request,
+        plan.vehicle,
+        plant,
+        autopilot,
+        study.history,
+        limit=plan.nozzle.limit,
+        altitude=_altitude(plan) if request.needs_altitude else None,
+        load=plan.load,
     )
 
 
@@ -544,7 +554,7 @@ def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
 
     limit /= study.plane_ratio  # of this plane
     rate = plan.nozzle.rate_limit
-    forecast = plan.dead_band < 1.0
+    forecast = plan.dead_band < 1.0  # a dead band K = 1 needs no forecast of the wind
     plant, wind = plan.plant.rigid, study.history
     return rate_trade_off(plant, wind, limit=limit, rate_limit=rate, forecast=forecast)
 

@@ -161,7 +161,7 @@ class FlightLoop:
             self.flight,
             self.sampled[plan.plane],
             self.times,
-            factors=(),
+            factors=(),  # no detuned modes
             model=self.model,
             plane=plan.plane,
         )
@@ -190,30 +190,39 @@ class FlightLoop:
         cases = list(self._cases())
         times = self.request.times(plan)
         used = np.full(times.shape, np.nan)
-        best: FlightAlong | None = None
+        worst_flight: FlightAlong | None = None
         outcomes: list[FlightOutcome] = []
-        directed = [(case, sign) for case in cases for sign in self._signs(case.wind)]
+        directed = [(case, name) for case in cases for name in self._directions(case.wind)]
         flights = self._flown(directed, plan.nozzle.limit)
         for k, case in enumerate(cases):
             of_case: list[FlightOutcome] = []
-            for sign in self._signs(case.wind):
+            for direction in self._directions(case.wind):
                 with repeated(len(cases)):
                     flown = next(flights)
-                if flown.status != "lost":
-                    used = np.fmax(used, _used(case, flown, times))
+                if flown.status != "lost" and case.time is None:  # a sounding without a gust
+                    used = np.fmax(used, used_around(flown, times))
+                elif flown.status != "lost":  # at the time of its pulse or gust
+                    largest = abs(flown.largest("deflection").value)
+                    used = np.fmax(used, np.where(times == case.time, largest, np.nan))
                 flown = within_linear_range(flown)
-                of_case.append(FlightOutcome.of(case, sign, flown, self._omitted(case)))
+                of_case.append(FlightOutcome.of(case, direction, flown, self._omitted(case)))
                 if of_case[-1].is_worst_of([*outcomes, *of_case]):
-                    best = flown
+                    worst_flight = flown
             outcomes.append(max(of_case, key=_severity))
             if progress is not None:
                 progress(k + 1, len(cases))
-        assert best is not None  # a sizing has a wind
+        assert worst_flight is not None  # a sizing has a wind
         for outcome in outcomes:
             if outcome.survived is False:
                 used[slice(None) if outcome.time is None else times == outcome.time] = np.nan
         unstable = self._unstable_times()
-        return FlightsOfLoop(tuple(outcomes), best, plan.nozzle.limit, used, unstable)
+        return FlightsOfLoop(
+            outcomes=tuple(outcomes),
+            worst=worst_flight,
+            limit=plan.nozzle.limit,
+            used=used,
+            unstable_times=unstable,
+        )
 
     def _flown(
         self, cases: Sequence[tuple[_Wind, str | None]], limit: float
@@ -230,21 +239,26 @@ class FlightLoop:
                 yield from (self._flown_in_planes(*case, limit) for case in group)
                 continue
             plane, flights = self.plan.plane, []
-            for case, sign in group:
+            for case, direction in group:
                 gust_time = case.time if measured else None
                 wind: Any = case.wind  # in one plane
-                along = wind_along(self.flight, wind, plane, sign, gust_time)
-                stop = self.request.stop if measured else None
-                law = self.sampled[plane]
                 flights.append(
-                    checked_flight(self.flight, law, along, case.start, stop, self.model, plane)
+                    checked_flight(
+                        self.flight,
+                        self.sampled[plane],  # the autopilot over the flight, with its samples
+                        wind_along(self.flight, wind, plane, direction, gust_time),
+                        start=case.start,
+                        stop=self.request.stop if measured else None,
+                        model=self.model,
+                        plane=plane,
+                    )
                 )
             yield from sampled_outputs(flights, limit, self.plan.hardware["rate_limit"])
 
-    def _flown_in_planes(self, case: _Wind, sign: str | None, limit: float) -> FlightAlong:
+    def _flown_in_planes(self, case: _Wind, pressure: str | None, limit: float) -> FlightAlong:
         """Return the flight in both planes through a wind, with a deflection limit [rad].
 
-        `case`: wind in both planes. `sign`: "frozen" for the nominal dynamic pressure; None for
+        `case`: wind in both planes. `pressure`: "frozen" for the nominal dynamic pressure; None for
         that encountered in the wind, whose own direction says it. Gust time and end of the flight
         [s] are of a measured wind alone: a pulse is placed already, and its flight goes on until it
         settles.
@@ -253,12 +267,12 @@ class FlightLoop:
         assert isinstance(wind, PlaneWind | MeasuredPlanes)
         return fly_planes_along(
             self.flight,
-            self.sampled,
+            self.sampled,  # the autopilot over the flight by plane, with its samples
             wind,
             deflection_limit=limit,
             rate_limit=self.plan.hardware["rate_limit"],
             limit_shape=self.plan.nozzle.limit_shape or "round",
-            sign=sign,
+            sign=pressure,
             gust_time=case.time if measured else None,
             start=case.start,
             stop=self.request.stop if measured else None,
@@ -274,20 +288,21 @@ class FlightLoop:
     ) -> FlightsOfLoop:
         """Return the flights, with required, used and remaining deflection by flight time.
 
-        The required one is the requirement of the sizing that counts, with its lower bounds beside
-        it; their parameters vary only if its own do: the bound of a frozen vehicle is none along
-        the flight. The bounds are the minimum, with the wind known, and that without a forecast.
-        `sizing`: of the flight and its winds. `requirements`: whether the autopilot
-        requirement stands beside them too; in both planes it is not computed, and NaN. `progress`:
-        called with flights done and in total.
+        The required one is the requirement of the sizing that counts, frozen or of parameters that
+        vary during the wind, with the lower bounds of the same kind: the minimum, with the wind
+        known, and the one without a forecast. `sizing`: of the flight and its winds.
+        `requirements`: whether the autopilot requirement stands beside them too; in both planes it
+        is not computed, and NaN. `progress`: called with flights done and in total.
         """
-        flown, needed = self.fly(progress), None
+        flown, autopilot_required = self.fly(progress), None
         counted = self.request.counted(sizing, self.plan.sign)
         if requirements and self.plan.planes == BOTH:
             unknown = np.full((sizing.times.size, len(sizing.winds)), np.nan)
-            needed = AutopilotRequirements(sizing.times, sizing.winds, unknown, (_IN_PLANES,))
+            autopilot_required = AutopilotRequirements(
+                sizing.times, sizing.winds, unknown, reasons=(_IN_PLANES,)
+            )
         elif requirements:
-            needed = autopilot_requirements(
+            autopilot_required = autopilot_requirements(
                 sizing,
                 self.sampled[self.plan.plane],
                 self.request.winds(self.plan),
@@ -303,7 +318,7 @@ class FlightLoop:
             and np.any(np.isfinite(sizing.at_times(requirement)))
         ]
         labels = [counted.label, *(bound.label for bound in bounds)]
-        use = deflection_use(sizing, flown.used, flown.limit, needed, labels)
+        use = deflection_use(sizing, flown.used, flown.limit, autopilot_required, labels)
         return replace(flown, use=use)
 
     @property
@@ -347,7 +362,7 @@ class FlightLoop:
                     placed = place(wind, vehicle, time, PEAK, 1.0).in_flight
                 yield _Wind(name, time, placed, max(float(placed.onset), self.flight.span[0]))
 
-    def _signs(self, wind: FlownWind) -> tuple[str | None, ...]:
+    def _directions(self, wind: FlownWind) -> tuple[str | None, ...]:
         """Return the directions in which a wind is flown: head and tail, or the one of the plan.
 
         None, for the direction of the wind itself, of a measured wind, and of a pulse in yaw or in
@@ -355,8 +370,8 @@ class FlightLoop:
         """
         if isinstance(wind, MeasuredWind | MeasuredPlanes):
             return (None,)
-        both = self.plan.sign is None and self.plan.planes == "pitch"
-        return tuple(SIGNS) if both else (self.plan.sign,)
+        head_and_tail = self.plan.sign is None and self.plan.planes == "pitch"
+        return tuple(SIGNS) if head_and_tail else (self.plan.sign,)
 
     def _omitted(self, case: _Wind) -> str:
         """Return why survival in a wind is not known throughout, in words; empty if it is.
@@ -374,17 +389,6 @@ class FlightLoop:
             return f"the wind is not known {gaps}" if gaps else ""
         begin, end = hundredths(low, up=True), hundredths(high, up=False)
         return f"the wind is known from {begin} to {end} s alone (--set size.from_s, size.to_s)"
-
-
-def _used(case: _Wind, flown: FlightAlong, times: FloatArray) -> FloatArray:
-    """Return the largest deflection [rad] of a flight by flight time of the sizing, ``(n,)``.
-
-    `case`: wind of the flight `flown`. NaN except at the time of its pulse or gust, and where a
-    flight through a sounding does not fly. `times`: flight times of the sizing [s], ``(n,)``.
-    """
-    if case.time is None:
-        return used_around(flown, times)
-    return np.where(times == case.time, abs(flown.largest("deflection").value), np.nan)
 
 
 def within_linear_range(flown: FlightAlong) -> FlightAlong:
@@ -456,10 +460,11 @@ class FlightOutcome(Record):
     peak_time: float = field(metadata=spec("time"))
 
     @classmethod
-    def of(cls, case: _Wind, sign: str | None, flown: FlightAlong, omitted: str) -> Self:
+    def of(cls, case: _Wind, direction: str | None, flown: FlightAlong, omitted: str) -> Self:
         """Return the outcome of a flight `flown` through a wind in a direction.
 
-        `case`: wind with its name. `sign`: its direction. `omitted`: part of the flight in which
+        `case`: wind with its name. `direction`: "head", "tail", "frozen" for the nominal dynamic
+        pressure, or None for the wind's own. `omitted`: part of the flight in which
         the wind is not known, in words; empty where it is known throughout. A flight with the
         status "lost" diverges, one that "rings" oscillates at its end; any other but "survived" is
         not known, as is survival beyond linear angles.
@@ -472,9 +477,16 @@ class FlightOutcome(Record):
         reason = flown.reason.removeprefix("NOT KNOWN: ")
         if survived and (omitted or beyond):
             survived, reason = None, omitted or beyond
-        time = flown.largest("deflection").time
-        status = flown.status
-        return cls(case.name, case.time, sign, status, survived, reason, peak_time=time, **peaks)
+        return cls(
+            wind=case.name,
+            time=case.time,
+            sign=direction,
+            status=flown.status,
+            survived=survived,
+            reason=reason,
+            peak_time=flown.largest("deflection").time,
+            **peaks,
+        )
 
     def is_worst_of(self, outcomes: Sequence[FlightOutcome]) -> bool:
         """Return whether the outcome is the worst: not survived, not known, most deflection."""
@@ -544,14 +556,13 @@ class FlightsOfLoop:
                 "the largest values are until attitude or angle of attack exceed"
                 f" {np.degrees(MAX_LINEAR_ANGLE):.0f} deg"
             )
-        end_times = [
-            o.time for o in self.outcomes if o.status != "undecided" and o.time is not None
-        ]
-        late = [o.time for o in self.outcomes if o.status == "undecided" and o.time is not None]
-        if end_times and late and min(late) > max(end_times):
+        pulses = [(o.time, o.status) for o in self.outcomes if o.time is not None]
+        late = [time for time, status in pulses if status == "undecided"]
+        settled = [time for time, status in pulses if status != "undecided"]
+        if settled and late and min(late) > max(settled):
             yield (
                 "after the last pulses the flight is too short to settle: --set size.to_s"
-                f" {max(end_times):.6g} leaves them out"
+                f" {max(settled):.6g} leaves them out"
             )
 
     @property
@@ -622,6 +633,7 @@ class FlightsOfLoop:
             shown = [outcome for outcome in shown if outcome in most_severe]
         names = ("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "outcome")
         first = "label" if self.wind_count > 1 else "time"
-        count = f", the worst {len(shown)} of {len(self.outcomes)}"
-        caption = "Largest values by wind" + count * (len(shown) < len(self.outcomes))
+        caption = "Largest values by wind"
+        if len(shown) < len(self.outcomes):
+            caption += f", the worst {len(shown)} of {len(self.outcomes)}"
         return record_table(caption, "flown", shown, first, *names)

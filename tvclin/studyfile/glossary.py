@@ -129,9 +129,6 @@ def glossary_table(words: str) -> Table:
 
 
 def _symbols(names: str) -> Line:
-    """Return the line of one symbol, or of several; `names`: the symbols, separated by commas.
-
-    Of several the first alone is set as a formula.
-    """
-    first, *others = (labelled(name)[-1] for name in names.split(", "))
+    """Return the line of symbols, each a formula; `names`: the symbols, separated by commas."""
+    first, *others = (labelled(name)[-1] for name in names.split(", "))  # the formula comes last
     return (first, *(word for name in others for word in (", ", name)))

@@ -200,9 +200,9 @@ class Key:
     """A key with its table, its other units, its default and its line of help."""
 
     name: str
-    others: tuple[str, ...]
-    default: str
-    help: str
+    others: tuple[str, ...] = ()
+    default: str = ""
+    help: str = ""
 
     @property
     def meaning(self) -> str:
@@ -248,14 +248,14 @@ def column_tables() -> list[Table]:
         if key.name.startswith("vehicle.") and key.name != "vehicle.numbers_from"
     ]
     others = [
-        Key(".structure", (), "", "File of the structure at each flight time, beside this one"),
+        Key(".structure", help="File of the structure at each flight time, beside this one"),
         *_keys("flight schedule", FLIGHT_COLUMNS),
     ]
     structure = [
-        Key(".time_s", (), "", "Time of flight"),
-        Key(".name", (), "", "Name of the mode or tank, the same at each time"),
-        Key(".keys of [[bending]]", (), "", "As above, of a mode"),
-        Key(".keys of [[slosh]]", (), "", "As above, of a tank"),
+        Key(".time_s", help="Time of flight"),
+        Key(".name", help="Name of the mode or tank, the same at each time"),
+        Key(".keys of [[bending]]", help="As above, of a mode"),
+        Key(".keys of [[slosh]]", help="As above, of a tank"),
     ]
     numbers = FileTable(FILTER_TABLE.heading, FILTER_TABLE.quantities)
     filters = [
@@ -300,7 +300,7 @@ def _keys(name: str, table: FileTable) -> Iterator[Key]:
         field = table.fields.get(quantity, quantity)
         item = specified.get(field)
         spelled = [key for key, (of, _) in table.keys.items() if of == quantity]
-        first = (spelled or [quantity])[0]
+        first = (spelled or [quantity])[0]  # key with the SI unit; a word has none
         if table.quantities.get(quantity, "").startswith("ang"):
             first = first.replace("_rad", "_deg")
         default = _DEFAULTS.get(full, "")
@@ -308,7 +308,8 @@ def _keys(name: str, table: FileTable) -> Iterator[Key]:
             default = _default(item, table.keys[first][1] if item.numeric and spelled else None)
         said = _HELP.get(full) or _SENTENCE.split(_UNIT.sub("", helps.get(field, "")))[0]
         others = tuple(written(k.removeprefix(quantity).strip("_")) for k in spelled if k != first)
-        yield Key(f"{name}.{first}", others, default, said.replace("`", "").rstrip("."))
+        line = said.replace("`", "").rstrip(".")
+        yield Key(f"{name}.{first}", others=others, default=default, help=line)
 
 
 def _default(item: Any, factor: float | None) -> str:

@@ -53,11 +53,12 @@ from tvclin.winds.wind_file import (
 
 
 def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan:
-    """Return the plan of a document, whose campaign is checked too; exceptions as `load_study`.
+    """Return the plan of a document, whose campaign is checked too.
 
     `document`: tables of the file by name. `folder`: where the files that it names are. Each table
-    is read on its own, so that the faults of all are told together. The structure and the actuator
-    of the flight, and gains over it, are then taken at the time of the vehicle.
+    is read on its own, so that an `InputError` has the faults of all. The structure and the
+    actuator of the flight, and gains over it, are then taken at the time of the vehicle; the sizing
+    keeps the gains over the flight.
     """
     subject = subject_of(document, folder)
     if "cases" in document.get("campaign", {}):
@@ -91,31 +92,15 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
     faults.tell()
     data = with_flight_data(subject["vehicle"], values["nozzle"], document, folder)
     subject["vehicle"], values["nozzle"] = data["vehicle"], data["nozzle"]
-    values |= _scheduled_autopilot(document, folder, subject, values)
+    design, time = values["design"], getattr(subject["vehicle"], "time", None)
+    if design is not None and design.schedule is not None:  # it varies over the flight
+        if time is None:
+            raise InputError("a schedule of gains and a notch at a mode need a vehicle with a time")
+        flight = flight_of(document, folder)["schedule"]
+        values["design"] = design_at(design, flight, float(time))
+        if values["sizing"] is not None:
+            values["sizing"] = replace(values["sizing"], scheduled_design=design)
     return StudyPlan(**subject, **values, **question_of(document), **options)
-
-
-def _scheduled_autopilot(
-    document: Mapping[str, Any],
-    folder: Path,
-    subject: Mapping[str, Any],
-    values: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Return fields of a plan for an autopilot that varies over the flight; empty for others.
-
-    They are the autopilot at the time of the vehicle, and the sizing with the autopilot along the
-    flight. `document`: tables of the file; `folder`: where the files that it names are. `subject`,
-    `values`: fields of the plan so far. `InputError` for a vehicle without a flight time.
-    """
-    design, sizing = values["design"], values["sizing"]
-    if design is None or design.schedule is None:
-        return {}
-    time = getattr(subject["vehicle"], "time", None)
-    if time is None:
-        raise InputError("a schedule of gains and a notch at a mode need a vehicle with a time")
-    flight = flight_of(document, folder)["schedule"]
-    sizing = sizing and replace(sizing, scheduled_design=design)
-    return {"design": design_at(design, flight, float(time)), "sizing": sizing}
 
 
 def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any]) -> Any:

@@ -75,12 +75,12 @@ class Measure(Record):
     @property
     def ratio(self) -> float:
         """Required over available value; above one where it is insufficient."""
-        numerator, denominator = (
-            (self.available, self.required)
-            if self.is_upper_limit
-            else (self.required, self.available)
-        )
-        return numerator / denominator if denominator else float("inf") if numerator > 0.0 else 0.0
+        numerator, denominator = self.required, self.available
+        if self.is_upper_limit:
+            numerator, denominator = denominator, numerator
+        if denominator:
+            return numerator / denominator
+        return float("inf") if numerator > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -233,7 +233,8 @@ def _wind(findings: Findings) -> Question:
         line = ("no deflection is needed",)
     elif np.isinf(required):
         line = ("with this dead band no limit is sufficient",)
-    return Question("wind", findings.study.sufficient, line, required, whose)
+    yes = findings.study.sufficient
+    return Question("wind", yes, line, required_deflection=required, whose=whose)
 
 
 def _rate(findings: Findings) -> Question:
@@ -271,7 +272,7 @@ def _rate(findings: Findings) -> Question:
     if yes is False and np.isinf(required):  # no angle is sufficient at this rate
         required, whose = np.nan, f"with this limit {bounds} requires"
     measure = _of_angles(front.required_rate, front.rate_limit or np.nan, "deg/s")
-    return Question(name, yes, line, required, whose, measure)
+    return Question(name, yes, line, required_deflection=required, whose=whose, measure=measure)
 
 
 def _load(findings: Findings) -> Question:
@@ -302,7 +303,7 @@ def _load(findings: Findings) -> Question:
     if yes and front.requires_forecast:
         line = (*line, f"; a {FORECAST_FREE} bears more")
     whose = f"within this load the {WIND_KNOWN}, {pressure}, requires"
-    return Question(name, yes, line, front.lower_bound * ratio, whose)
+    return Question(name, yes, line, required_deflection=front.lower_bound * ratio, whose=whose)
 
 
 def _flight(findings: Findings) -> Question:
@@ -330,7 +331,7 @@ def _flight(findings: Findings) -> Question:
         line = (f"{least} for {flight}", reserve)
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
         return Question(name, False, line, whose=whose, measure=measure)
-    return Question(name, total.sufficient, line, total.required, whose)
+    return Question(name, total.sufficient, line, required_deflection=total.required, whose=whose)
 
 
 def _flight_rate(findings: Findings) -> Iterator[Question]:
@@ -368,7 +369,7 @@ def _duty_question(findings: Findings) -> Iterator[Question]:
             yield Question(name, None, (_reason(findings, "duty"),))
         return
     verdict = findings.duty.verdict
-    worst = verdict.lines[0]
+    worst = verdict.lines[0]  # that with the largest required fraction
     measure = (
         None if worst.available is None else Measure(worst.required, worst.available, worst.unit)
     )
@@ -386,7 +387,7 @@ def _availability(findings: Findings, minimum: float) -> Question:
     if findings.availability is None:
         return Question("availability", None, (_reason(findings, "availability"),))
     fraction = findings.availability.fraction()
-    measure = Measure(100.0 * minimum, 100.0 * fraction.fraction, "%", 1)
+    measure = Measure(100.0 * minimum, 100.0 * fraction.fraction, unit="%", digits=1)
     yes, line = findings.availability.reaches(minimum), str(fraction)
     if yes is None:
         line = f"too few soundings to tell whether {100.0 * minimum:g} % of days fly; {line}"
@@ -421,7 +422,7 @@ def _probability(findings: Findings, limit: float) -> Question:
         )
     line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
     whose = f"{text(flights)} require"
-    return Question("probability", yes, line, float(r.upper), whose)
+    return Question("probability", yes, line, required_deflection=float(r.upper), whose=whose)
 
 
 def _autopilot(findings: Findings, limit: float) -> Question:
@@ -441,6 +442,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
         return Question(name, None, (beyond,))
     peak = without_stop(findings)
     turns = degrees("answer.autopilot", peak, unit="deg")
+    line: Line
     free: Line = ("without a limit the autopilot would turn the nozzle by ", *turns)
     if findings.study.judges_both_planes:
         free += (" in both planes",)
@@ -451,9 +453,10 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     requirement = findings.autopilot_requirement
     if requirement is None:  # it cannot be flown: sufficient is what the loop never exceeds
         within = True if covers(limit, peak) and rate <= max_rate else None
-        return Question(name, within, (f"{_reason(findings, 'stop')}; ", *free), peak, whose)
+        line = (f"{_reason(findings, 'stop')}; ", *free)
+        return Question(name, within, line, required_deflection=peak, whose=whose)
     yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
-    line: Line = ("flown with its stop; ", *free)
+    line = ("flown with its stop; ", *free)
     if np.isinf(nominal):
         line = ("no limit that was tried survives; ", *free)
     elif requirement.head is not None:
@@ -463,7 +466,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     elif yes is None:
         line = (f"{_NOT_KNOWN_AT_PEAK}; flown with its stop at the nominal one; ", *free)
     required = nominal if np.isinf(nominal) else requirement.deflection
-    return Question(name, yes, line, required, whose)
+    return Question(name, yes, line, required_deflection=required, whose=whose)
 
 
 def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
@@ -471,8 +474,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
 
     It is a criterion on the linear loop: where it is not satisfied, limits are reached more often.
     Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
-    bound. `findings`: results of a plan with turbulence. `limit`: deflection limit [rad]. Each pair
-    is the required and the available value, at nominal pressure and at the head wind's.
+    bound. `findings`: results of a plan with turbulence. `limit`: deflection limit [rad].
     """
     t, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
     if t is None:
@@ -489,6 +491,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
         sigmas, t = f"{sigmas}{_at_peak(findings)}", findings.head.turbulence
     beyond = beyond_linear(t.angle_of_attack, ATTACK)
     whose = "" if beyond else whose
+    # name, required and available value at nominal pressure and at the head wind's, and unit
     judged = [(_TURBULENCE, (nominal.deflection, limit), (t.deflection, limit), "deg")]
     if rate_limit is not None and t.deflection_rate is not None:
         rate = nominal.deflection_rate or np.nan
@@ -497,30 +500,20 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
     if t.load is not None and t.load_bound is not None:
         at_nominal = nominal.load or 0.0, nominal.load_bound or np.nan
         judged.append((_TURBULENCE_LOAD, at_nominal, (t.load, t.load_bound), "deg"))
-    for name, at_nominal, (required, available), unit in judged:
-        yes = _also(bool(covers(*at_nominal[::-1])), bool(covers(available, required)))
+    for name, (nominal_required, nominal_available), (required, available), unit in judged:
+        covered = bool(covers(nominal_available, nominal_required))
+        yes, words = _also(covered, bool(covers(available, required))), sigmas
+        if findings.head is not None and yes is None:
+            bound = f"not by the bound for a {findings.study.direction} wind"
+            words = f"covered {NOMINAL}, {bound}; {words}"
         key = f"answer.nominal_{name.replace(' ', '_')}"
-        line = _bound_reason(findings, sigmas, degrees(key, at_nominal[0], unit=unit), yes)
+        number_text = () if findings.head is None else degrees(key, nominal_required, unit=unit)
+        line: Line = (words, *number_text)
         measure = _of_angles(required, available, unit)
         answered = (None, (beyond,)) if beyond else (yes, line)
         yield Question(name, *answered, whose=whose, measure=measure)
     if rate_limit is not None and t.deflection_rate is None:
         yield Question(_TURBULENCE_RATE, None, ("the deflection rate has no variance here",))
-
-
-def _bound_reason(findings: Findings, words: str, nominal: Line, yes: bool | None) -> Line:
-    """Return the reason of an answer by the bound for a head wind, with the nominal number.
-
-    `findings`: results of a study plan. `words`: the reason. `nominal`: number at nominal dynamic
-    pressure, as a line. `yes`: the answer. Without a head wind that sets the requirement the reason
-    is the `words` alone.
-    """
-    if findings.head is None:
-        return (words,)
-    if yes is None:
-        bound = f"not by the bound for a {findings.study.direction} wind"
-        words = f"covered {NOMINAL}, {bound}; {words}"
-    return (words, *nominal)
 
 
 def _at_peak(findings: Findings) -> str:
@@ -565,7 +558,12 @@ def _margins(findings: Findings) -> Question:
     words, whose = "meets" if satisfied else "does not meet", " of the flexible vehicle" * flexible
     line: Line = (f"the loop{whose} {words} the criteria {findings.criteria.name}",)
     judged = [j for j in findings.criteria.judge(margins) if np.isfinite(j.surplus)]
-    worst = min(judged, key=_relative_surplus, default=None)
+    # by the surplus over the criterion, which is infinite for a criterion of zero
+    worst = min(
+        judged,
+        key=lambda j: float(j.surplus) / j.criterion.limit if j.criterion.limit else np.inf,
+        default=None,
+    )
     if worst is None:
         return Question("margins", satisfied, line)
     of = f" of {worst.band}" if worst.band else ""
@@ -590,23 +588,19 @@ def _along_flight(findings: Findings) -> Iterator[Question]:
         yield Question(_ALONG_FLIGHT, None, (reasons["flights"],))
 
 
-def _relative_surplus(judgement: Judgement) -> float:
-    """Return the surplus of a judged margin over its criterion; infinite for a criterion of zero.
-
-    `judgement`: margin with its criterion.
-    """
-    limit = judgement.criterion.limit
-    return float(judgement.surplus) / limit if limit else np.inf
-
-
 def _measured(judgement: Judgement) -> Measure:
     """Return the measure of a judged margin: the criterion is required, the margin available.
 
     `judgement`: margin with its criterion. Numbers are in the unit of tables.
     """
     limit, unit = judgement.criterion.shown
-    value, digits = unit_factor(unit) * float(judgement.value), DIGITS[unit]
-    return Measure(limit, value, unit, digits, judgement.criterion.is_upper_limit)
+    return Measure(
+        required=limit,
+        available=unit_factor(unit) * float(judgement.value),
+        unit=unit,
+        digits=DIGITS[unit],
+        is_upper_limit=judgement.criterion.is_upper_limit,
+    )
 
 
 def _flexible(findings: Findings) -> Question:
@@ -627,7 +621,8 @@ def _flexible(findings: Findings) -> Question:
     line: Line = (f"{flown} the flexible vehicle {flexible}",)
     if f.flight.survived and rigid != flexible:
         line += (f", the rigid one {rigid}",)
-    required = abs(float(f.boundaries[0].deflection)) * findings.study.plane_ratio
+    boundary, _ = f.boundaries
+    required = abs(float(boundary.deflection)) * findings.study.plane_ratio
     limit = findings.study.limit
     measure = None if limit is None else _of_angles(required, limit)
     return Question("flexible flight", f.flight.survived, line, measure=measure)

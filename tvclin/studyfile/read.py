@@ -182,11 +182,6 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
     return vehicle_source(vehicles[0], Path(name).parent)
 
 
-def _is_default(wind: ShapedWind) -> bool:
-    """Return whether a wind without its gust is the default wind."""
-    return replace(wind, gust=None, gust_at=None, gust_speed=None) == DEFAULT_WIND
-
-
 def _flight_of_a_vehicle(
     source: str | PathLike[str], winds: Mapping[str, SoundingRequest]
 ) -> StudyPlan:
@@ -206,7 +201,9 @@ def _flight_of_a_vehicle(
     plan = load_study(EditedSource(str(source), tables))
     assert plan.sizing is not None
     soundings = {**plan.sizing.soundings, **winds}
-    pulse = isinstance(plan.wind, ShapedWind) and not (soundings and _is_default(plan.wind))
+    pulse = isinstance(plan.wind, ShapedWind)
+    if isinstance(plan.wind, ShapedWind) and soundings:
+        pulse = replace(plan.wind, gust=None, gust_at=None, gust_speed=None) != DEFAULT_WIND
     plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse, soundings=soundings))
     return plan if flight is None else replace(plan, vehicle=flight.vehicle)
 
@@ -229,7 +226,10 @@ def is_flight_with_keys(source: str | PathLike[str]) -> bool:
 
 
 def _of_a_vehicle(document: Mapping[str, Any]) -> bool:
-    """Return whether a document is that of a vehicle, or of a schedule, with keys set."""
+    """Return whether a document is a study of a vehicle or schedule alone, with keys set.
+
+    Its vehicle is then an `EditedSource`, in place of a name or path.
+    """
     return isinstance(document.get("study", {}).get("vehicle"), EditedSource)
 
 

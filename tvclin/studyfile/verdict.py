@@ -59,7 +59,7 @@ def _answered(question: Question, limit: float | None) -> Line:
     """
     measure = question.measure
     if measure is not None and question.whose and np.isnan(question.required_deflection):
-        required, available = measured("verdict", measure)[:2]
+        required, available, _ = measured("verdict", measure)
         return (f"{question.answer}: {question.whose} ", *required, " and has ", *available)
     first_reason = question.text.partition("; ")[0].rstrip(".")
     words = first_reason.replace(f": {question.answer}", "")  # the sentence begins with the answer
@@ -168,8 +168,9 @@ def basis(findings: Findings) -> Line:
         line += (f" The required deflection is set by {s.governs}.",)
     if any(TRUSTS in note for note in s.notes):
         line += (f" Warning: this dead band {TRUSTS} of the wind, see Assumptions.",)
-    if findings.flight is not None and findings.flight[1].sufficient is False:
-        reserve_text = ", and a reserve" if findings.flight[1].reserve else ""
+    _, total = findings.flight or (None, None)  # sizing, and its worst total
+    if total is not None and total.sufficient is False:
+        reserve_text = ", and a reserve" if total.reserve else ""
         line += (f" The whole flight counts all deflections of the nozzle{reserve_text}.",)
     if findings.flight is not None and findings.plan.sizing is not None:
         line += tuple(f" Warning: {doubt}." for doubt in findings.plan.sizing.warnings)
@@ -288,10 +289,10 @@ def measured(key: str, measure: Measure) -> tuple[Line, ...]:
     `key`: begin of the unique names of the numbers on the page. None remains where none is
     sufficient.
     """
-    shown = [_shown(f"{key}.{name}", name, measure) for name in _NUMBERS[:2]]
+    required, available, remaining = (_shown(f"{key}.{k}", k, measure) for k in _NUMBERS)
     if np.isinf(measure.required):
-        return (("none is sufficient",), shown[1], ("",))
-    return (*shown, _shown(f"{key}.remaining", "remaining", measure))
+        return (("none is sufficient",), available, ("",))
+    return (required, available, remaining)
 
 
 def _shown(key: str, name: str, measure: Measure) -> Line:
