@@ -41,7 +41,7 @@ VARIABLE = "TVCLIN_NUM_THREADS"
 
 
 def thread_count() -> int:
-    """Return the number of threads: processors of this process, at most `VARIABLE`."""
+    """Return the number of threads: processors of this process, at most TVCLIN_NUM_THREADS."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else None
     available = processors or os.cpu_count() or 1
     requested = os.environ.get(VARIABLE, "")
@@ -52,7 +52,8 @@ def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> N
     """Call `work(first, last)` for slices that make up the cases, in parallel.
 
     `work`: computes the cases from `first` up to `last`; it must release the interpreter's lock.
-    `cases`: number of cases. `seconds`: approximate time of all cases in one thread.
+    `cases`: number of cases. `seconds`: approximate time of all cases in one thread, which gives
+    the number of threads. Slices begin at multiples of `_SLICE_ALIGNMENT` cases.
     """
     blocks = -(-cases // _SLICE_ALIGNMENT)
     threads = int(min(seconds / _MIN_SECONDS_PER_THREAD, blocks))
@@ -111,8 +112,9 @@ _command: ContextVar[_PlainWork | None] = ContextVar("_command", default=None)
 def fastest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
     """Return a kernel itself, or its machine code where that pays.
 
-    `function`: marked by `kernels.source.kernel`. `seconds`: approximate time in plain Python.
-    Without numba the process warns once, when its calls take `_LONG` seconds together.
+    `function`: marked by `kernels.source.kernel`. `seconds`: approximate time of the call in plain
+    Python. It is counted: for a process without numba, which warns once when its calls take `_LONG`
+    seconds together, and for the command that runs, if the kernel itself is returned.
     """
     if not available():
         _count(seconds)
@@ -124,9 +126,12 @@ def fastest(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
 
 
 def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[..., Any]:
-    """Return a kernel itself, or its machine code where that pays, for work already counted.
+    """Return a kernel itself, or its machine code where that pays, without counting the work.
 
-    `function`: marked by `kernels.source.kernel`. `seconds`: approximate time in plain Python.
+    `function`: marked by `kernels.source.kernel`. `seconds`: approximate time of the call in plain
+    Python, taken as often as `repeated` says. Machine code is compiled if all that takes longer
+    than `_MIN_COMPILING_SECONDS`, and loaded from disk from `_MIN_LOADING_SECONDS` on. Inside a
+    command it is also compiled if calls of all commands add up to that time, and stays once taken.
     """
     if not available():
         return function
@@ -135,6 +140,7 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
         total, command = seconds * _similar_calls.get(), _command.get()
         earlier = 0.0 if command is None else command.by_kernel.get(function, 0.0)
         compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
+        # whether the import of numba pays
         loads = (
             command is None or _is_imported() or command.seconds + total > _MIN_IMPORTING_SECONDS
         )
@@ -158,9 +164,10 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
 
 
 def _count(seconds: float) -> None:
-    """Add a call to the plain work of this process, and warn as soon as it will be long.
+    """Add a call to the plain work of this process; warn once that it takes long without numba.
 
-    `seconds`: approximate time of the call in plain Python.
+    `seconds`: approximate time of the call in plain Python. The warning comes as soon as the sum,
+    with all similar calls that `repeated` announces, exceeds `_LONG`.
     """
     expected = _plain_work.seconds + seconds * _similar_calls.get()
     _plain_work.seconds += seconds
@@ -181,9 +188,10 @@ def run(
     seconds: float,
     compiled_seconds: float,
 ) -> None:
-    """Call a kernel for all cases; its last two arguments are the first and the last of a slice.
+    """Call a kernel for all cases, in plain Python or in threads of machine code.
 
-    `function`: marked by `kernels.source.kernel`. `cases`: number of cases. `seconds`,
+    `function`: marked by `kernels.source.kernel`; its last two arguments are the first case and the
+    end of a slice. `arguments`: those before. `cases`: number of cases. `seconds`,
     `compiled_seconds`: approximate time of all cases in plain Python, and as machine code in one
     thread.
     """
@@ -199,16 +207,17 @@ def _is_cached(function: Callable[..., Any]) -> bool:
     """Return whether machine code of a kernel is, or was in this process, cached on disk."""
     if function not in _cached:
         cached = _cache_file(function)
-        if next(cached.parent.glob(f"{cached.name}*.nbc"), None) is None:
+        if next(cached.parent.glob(f"{cached.name}*.nbc"), None) is None:  # numba's suffix
             return False
         _cached.add(function)
     return True
 
 
 def _repays(function: Callable[..., Any], seconds: float) -> bool:
-    """Return whether the calls of a kernel in commands are together worth compiling.
+    """Return whether the calls of a kernel in all commands are together worth compiling.
 
-    Adds `seconds`, the time of a call in plain Python, to the sum, a file beside the machine code.
+    `seconds`: the time of this call in plain Python. It is added to the sum of all commands, a file
+    beside the machine code; without a writable folder it counts alone.
     """
     cached = _cache_file(function)
     sum_file = cached.with_name(f"{cached.name}.seconds")
@@ -221,7 +230,10 @@ def _repays(function: Callable[..., Any], seconds: float) -> bool:
 
 
 def _cache_file(function: Callable[..., Any]) -> Path:
-    """Return the path at which the names of the cached files of a kernel begin."""
+    """Return the path with which the names of the cached files of a kernel begin.
+
+    A name has the kernel's file and function, and a hash of its sources.
+    """
     file = Path(function.__code__.co_filename)
     return cache_folder(file.parent) / f"{file.stem}.{function.__name__}_{digest(function)}"
 
@@ -284,28 +296,29 @@ def remedy() -> str:
 
 
 def pinned(compiled: bool) -> AbstractContextManager[None]:
-    """Choose machine code (`compiled`) or plain Python for all calls inside the context."""
+    """Return a context in which all calls run as machine code (`compiled`), or as plain Python."""
     return _within(_pinned, compiled)
 
 
 def repeated(calls: int) -> AbstractContextManager[None]:
-    """Choose as for a number of similar calls, which together may be worth machine code.
+    """Return a context whose calls count as the first of a number of similar ones, `calls`.
 
-    `calls`: that number. Nested numbers multiply.
+    They are run as machine code if that pays for all of them. Nested numbers multiply.
     """
     return _within(_similar_calls, _similar_calls.get() * calls)
 
 
 def in_a_command() -> AbstractContextManager[None]:
-    """Import numba only once the calls of a command together are worth it.
+    """Return the context of a command line's command, whose calls count together.
 
-    Compile a kernel once its calls in all commands are, each too short by itself.
+    numba is imported once they are together worth it, and a kernel compiled once its calls in all
+    commands are, each too short by itself.
     """
     return _within(_command, _PlainWork())
 
 
 def announce(seconds: float) -> None:
-    """Count work [s] that a command is going to do, so that it imports numba before it, not within.
+    """Count work that a command is going to do, so that numba is imported before it, not within.
 
     `seconds`: its approximate time in plain Python at least. Outside commands nothing is counted.
     """
@@ -315,7 +328,7 @@ def announce(seconds: float) -> None:
 
 
 def compiling_nothing() -> AbstractContextManager[None]:
-    """Choose only machine code that is cached: for work whose result must not wait."""
+    """Return a context that takes machine code only from disk: for results that must not wait."""
     return _within(_may_wait, False)
 
 

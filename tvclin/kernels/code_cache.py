@@ -38,6 +38,7 @@ class VerifiedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
     def __init__(self, function: Callable[..., Any], digest: str) -> None:
         """Prepare the cache of a function; `digest` is the hash of all its sources."""
         super().__init__(function)
+        # numba's names are name-line.python
         name, _, line_and_python = self._impl.filename_base.partition("-")
         self._cache_file = _VerifiedFiles(
             Path(self._cache_path) / f"{name}_{digest}-{line_and_python}",
@@ -58,7 +59,10 @@ class VerifiedCache(FunctionCache):  # type: ignore[misc]  # numba has no types
         return code
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        """Write machine code `compiled` of a signature to the cache; warn where that fails."""
+        """Write machine code `compiled` of a signature to the cache; warn where that fails.
+
+        The machine code is used all the same, in this process.
+        """
         try:
             super().save_overload(signature, compiled)
         except (InputError, OSError) as error:
@@ -70,9 +74,9 @@ class _VerifiedFiles:
     """Files of a kernel, one per signature and processor (`key`), each with its hash in front."""
 
     def __init__(self, base: Path, stamp: Any) -> None:
-        """Prepare files whose names begin with `base`; `stamp` is the state of the source."""
+        """Prepare files whose names begin with `base`; `stamp` is numba's hash of the source."""
         self._base, self._stamp = base, stamp
-        self._missed = np.inf
+        self._missed = np.inf  # time [s] when a file was last missing, and compilation began
 
     def load(self, key: Any) -> Any:
         """Return the serialised machine code of a key; None where it is missing or damaged."""
@@ -89,7 +93,10 @@ class _VerifiedFiles:
         return pickle.loads(content[_HASH:])
 
     def save(self, key: Any, code: Any) -> None:
-        """Write serialised machine code under a key; `InputError` where that fails."""
+        """Write serialised machine code under a key; `InputError` where that fails.
+
+        It warns of a compilation that took long since `load` found no file.
+        """
         seconds = monotonic() - self._missed
         if seconds > _MIN_REPORTED_SECONDS:
             compiled_once = f"a kernel was compiled in {seconds:.0f} s, once on this machine"

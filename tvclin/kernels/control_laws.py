@@ -75,21 +75,22 @@ class LawNumbers(NamedTuple):
 def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
     """Return the deflection that a law demands [rad].
 
-    `law`: `LawNumbers`, or a row of an array with their fields. `measured`: measurements in the
-    order of `laws.Measurement`: attitude, its rate, path angle, angle of attack, deflection, drift
-    rate, drift, acceleration. `states`: states of the law. `limit`: the deflection limit [rad].
+    `law`: `LawNumbers`, or a row of an array with their fields: gains on the measurements, or where
+    `law.leans` numbers of `lean_demand`, the recoverable-attitude law. `measured`: attitude, its
+    rate, flight path angle, angle of attack, deflection, drift rate, drift, acceleration. `states`:
+    of the law, of which the first has the gain `first_state`; behind the attitude rate and the wind
+    plus path angle of an estimator, which replace the measured ones, where `law.estimates`.
+    `limit`: deflection limit [rad].
     """
-    if law.leans:
-        if law.estimates:
-            return lean_demand(law, measured[0], states[0], measured[2], states[1], limit)
-        return lean_demand(
-            law, measured[0], measured[1], measured[2], measured[0] - measured[3], limit
-        )
-    rate, alpha, state = measured[1], measured[3], 0
+    theta, rate, path, alpha = measured[0], measured[1], measured[2], measured[3]
+    wind_and_path, state = theta - alpha, 0
     if law.estimates:
-        rate, alpha, state = states[0], measured[0] - states[1], 2
-    demand = law.attitude * measured[0] + law.attitude_rate * rate
-    demand += law.flight_path_angle * measured[2] + law.angle_of_attack * alpha
+        rate, wind_and_path, state = states[0], states[1], 2
+        alpha = theta - wind_and_path
+    if law.leans:
+        return lean_demand(law, theta, rate, path, wind_and_path, limit)
+    demand = law.attitude * theta + law.attitude_rate * rate
+    demand += law.flight_path_angle * path + law.angle_of_attack * alpha
     demand += law.drift_rate * measured[5] + law.drift * measured[6]
     demand += law.acceleration * measured[7]
     return demand + law.first_state * states[state] if law.first_state != 0.0 else demand
@@ -99,16 +100,18 @@ def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
 def lean_demand(
     law: Any, theta: float, rate: float, path: float, wind: float, limit: float
 ) -> float:
-    """Return the deflection u = z - k w + gain (z - Z) [rad], times B, of a law that leans.
+    """Return the deflection [rad] of the recoverable-attitude law, which leans into the wind.
 
-    z is the coordinate of the fast unstable mode, Z its lean, w the wind angle and k the demand per
-    wind angle. `law`: `LawNumbers`. `theta`, `rate`: attitude [rad] and its rate [rad/s]. `path`:
-    flight path angle [rad]. `wind`: attitude less angle of attack [rad], the wind angle plus the
-    path angle. `limit`: deflection limit [rad].
+    It is B u, u = z - k w + gain (z - Z), with the coordinate z of the fast unstable mode, its lean
+    Z (`lean_command`), the wind angle w, and k = `law.wind`; so that z' = s (z - u - k w) with the
+    pole s is s gain (Z - z), and z follows Z. `law`: `LawNumbers`; its `fast_...` and `slow_...`
+    are the rows of z and of the slow coordinate, its `rate_travel` is R of `recovery_travel`.
+    `theta`, `rate`: attitude [rad] and its rate [rad/s]. `path`: flight path angle [rad]. `wind`:
+    attitude less angle of attack [rad], the wind angle plus the path angle. `limit`: deflection
+    limit [rad].
 
-    With it z' = s (z - u - k w) of `boundary.recoverable` is s gain (Z - z): z follows Z. With a
-    known rate limit the feedback is bounded so that it can be reversed in time, and u so that z is
-    recoverable if the wind stops.
+    With a known rate limit the feedback is bounded so that it can be reversed in time, and u so
+    that z stays recoverable with the fraction `law.reach` of the limit if the wind stops.
     """
     wind = wind - path
     size = max(abs(wind) - law.dead_band, 0.0)
@@ -131,10 +134,11 @@ def lean_demand(
 def recovery_travel(room: float, rate_travel: float) -> float:
     """Return the largest travel D - u of a deflection to its limit D that recovers z without wind.
 
-    `room`: D - z [rad]. `rate_travel`: R [rad], the travel at the full rate in a time constant of
-    the fast mode. At that rate to D, and constant there, z up to u + R (1 - e^(-x)) is recovered, x
-    = (D - u)/R: the root of x - 1 + e^(-x) = room/R, by Newton's steps from above. It is also the u
-    from which that rate comes to an end together with z = `room`.
+    The unstable coordinate obeys z' = s (z - u), u the deflection over B. `room`: D - z [rad].
+    `rate_travel`: R [rad], the travel at the full rate in a time constant 1/s. If u moves to D at
+    that rate and stays there, z up to u + R (1 - e^(-x)) is recovered, x = (D - u)/R being the time
+    of the travel over 1/s: the root of x - 1 + e^(-x) = room/R, by Newton's steps from above.
+    Reversed, it is the u from which a return at that rate ends together with z = `room`.
     """
     q = max(room, 0.0) / rate_travel
     x = q + math.sqrt(2.0 * q)
@@ -149,14 +153,16 @@ def recovery_travel(room: float, rate_travel: float) -> float:
 def lean_command(law: Any, slow: float, wind_term: float, wind: float, D: float) -> float:
     """Return the lean Z [rad] that the wind, the recoverable set and the design wind allow.
 
-    `law`: `LawNumbers`. `slow`: slow coordinate z2 [rad]. `wind_term`: k w [rad], the demand of the
-    wind, with k = `law.wind`. `wind`: size of the wind angle w [rad]. `D`: deflection limit over B
+    Z is the value that the coordinate of the fast unstable mode shall take. `law`: `LawNumbers`.
+    `slow`: slow coordinate z2 [rad]. `wind_term`: k w [rad], the deflection over B that w calls
+    for, with k = `law.wind`. `wind`: size of the wind angle w [rad]. `D`: deflection limit over B
     [rad].
 
     Z = k w + 3 z2, with ``|Z| <= M`` = min(reach D, k max(A, 1.1 |w|) - trust D), A being the
-    design peak, extended by the contribution of the slow coordinate z2. Z differs from k w by at
-    most 0.9 D, so that the remaining limit stabilises the fast mode; and Z lies in the recoverable
-    set with z2.
+    design peak `law.peak`, extended by the contribution of the slow coordinate z2; `reach` and
+    `trust` are fractions of the limit. Z differs from k w by at most 0.9 D, so that the remaining
+    limit stabilises the fast mode; and Z lies in the recoverable set with z2, where there are two
+    modes (`law.ratio`, slow over fast pole, not zero).
     """
     reach = law.reach * D
     max_lean = reach
@@ -180,10 +186,10 @@ def lean_command(law: Any, slow: float, wind_term: float, wind: float, D: float)
 def bounded_coordinate(lean: float, slow: float, power: float) -> float:
     """Return the fast coordinate `lean` bounded by the edges of the recoverable set.
 
-    `lean`, `slow`: coordinates of the fast and of the slow mode, over the reach. `power`: r, the
-    ratio of the fast to the slow pole, above one. The edges for x = slow, which it lies between,
-    are 2 ((1 + x)/2)^r - 1 and 1 - 2 ((1 - x)/2)^r; a power is computed only where r = 1 or 4 does
-    not decide.
+    `lean`, `slow`: coordinates of the fast and of the slow mode, over the largest recoverable one.
+    `power`: r, the ratio of the fast to the slow pole, above one. The edges for x = slow, which
+    lies between them, are 2 ((1 + x)/2)^r - 1 and its mirror image 1 - 2 ((1 - x)/2)^r. For r >= 4
+    the power is computed only beyond the edge for r = 4, which lies inside that for r.
     """
     above = lean > slow
     if not above:
@@ -197,10 +203,11 @@ def bounded_coordinate(lean: float, slow: float, power: float) -> float:
 
 @inlined
 def next_mode(engage: float, release: float, demand: float, mode: float) -> float:
-    """Return the next mode: +1 or -1 while the whole limit is commanded, else 0.
+    """Return the next mode: +1 or -1 while the whole limit is commanded with that sign, else 0.
 
-    `engage`, `release`: sizes of the demand [rad] from which the whole limit is commanded, and
-    below which it is released. `demand`: of the law [rad]. `mode`: the mode before.
+    `engage`, `release`: sizes of the demand [rad] from which the whole limit is commanded, and down
+    to which it stays commanded. `demand`: deflection that the law demands [rad]. `mode`: the mode
+    before.
     """
     if not demand * mode > release:
         mode = 0.0
@@ -211,23 +218,24 @@ def next_mode(engage: float, release: float, demand: float, mode: float) -> floa
 
 @kernel
 def slow_edges(fast: Any, ratio: Any) -> Any:
-    """Return the edges of the recoverable set: bounds of the slow coordinate for a fast one.
+    """Return both edges of the recoverable set, bounds of the slow coordinate for a fast one.
 
-    All over the reach. `fast`, `ratio`: fast coordinate x in [-1, 1], and ratio r of slow and fast
-    pole, numbers or arrays. The edges are the paths that reach equilibrium with one switch, 1 - 2
-    ((1 - x)/2)^r and its mirror image.
+    `fast`, `ratio`: fast coordinate x in [-1, 1], and ratio r of the slow to the fast pole, numbers
+    or arrays. All coordinates are over the largest recoverable one. The edges are the paths that
+    reach equilibrium with one change of the limit's sign: 1 - 2 ((1 - x)/2)^r, which is the lower
+    one, and its mirror image.
     """
     return 1.0 - 2.0 * ((1.0 - fast) / 2.0) ** ratio, 2.0 * ((1.0 + fast) / 2.0) ** ratio - 1.0
 
 
 @kernel
 def minimum_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last: int) -> None:
-    """Write the smallest reach with two unstable coordinates in the recoverable set, ``out (n,)``.
+    """Write the smallest reach with which two unstable coordinates are recoverable, ``out (n,)``.
 
-    The reach is the largest coordinate that the deflection limit recovers; with the smallest, both
-    lie on the edge of the set. `fast`, `slow`, `ratio`: the coordinates and the ratio of the slow
-    to the fast pole, ``(n,)`` each (see `boundary.recoverable`). Cases from `first` up to `last`
-    are computed.
+    The reach is the largest coordinate of a mode that the deflection limit brings back to zero;
+    with the smallest, the pair lies on the edge of the recoverable set. `fast`, `slow`, `ratio`:
+    coordinates, and the ratio of the slow to the fast pole, ``(n,)`` each. Cases from `first` up to
+    `last` are computed.
     """
     for case in range(first, last):
         z, w = fast[case], slow[case]
@@ -242,11 +250,11 @@ def minimum_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last
 
 @bare
 def _recoverable_fraction(z: float, w: float, power: float) -> float:
-    """Return the largest fraction of (z, w), at most one, on the recoverable side of a path.
+    """Return the largest fraction of (z, w), at most one, that is recoverable.
 
-    `z`, `w`: fast and slow coordinate over the reach. `power`: ratio of the fast to the slow pole.
-    The side is z > 2 ((1 + w)/2)^power - 1. The margin is concave in the fraction and first
-    positive, so that Newton's steps from beyond converge to the end from above.
+    `z`, `w`: fast and slow coordinate over the reach. `power`: ratio r of the fast to the slow
+    pole. The set ends at z = 2 ((1 + w)/2)^r - 1. The margin above that edge is concave in the
+    fraction and positive at zero, so that Newton's steps from beyond its zero converge from above.
     """
     fraction = 1.0
     for _ in range(_MAX_REACH_ITERATIONS):

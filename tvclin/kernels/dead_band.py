@@ -37,24 +37,27 @@ def dead_band_exits(
 ) -> None:
     """Write the demand where the dead band is left, and its position in steps, ``(n,)`` each.
 
-    The position is negative, and the limit zero, where trim stays within the dead band.
+    The demand is the constant deflection that suffices from then on; the dead band is left at a new
+    maximum of trim that is as large as K times the demand. The position (2.5: middle of the third
+    step) is negative, and the limit zero, where trim stays within the dead band.
 
     Parameters
     ----------
     lengths, trim, demand, slopes : ndarray
-        Lengths of the steps [s] ``(n, S)``, trim and demand [rad] ``(n, S, 3)``, and slopes of the
-        demand [rad/s] ``(n, S, 2)``.
+        Lengths of the steps [s] ``(n, S)``, trim and demand [rad] at begin, middle and end of each,
+        ``(n, S, 3)``, and slopes of the demand [rad/s] at begin and end, ``(n, S, 2)``.
     signs : ndarray
         Sign of the trim of largest size, ``(n,)``.
     dead_band : float
         K, above zero and below one.
     limits, positions : ndarray
-        Written: sizes [rad], and positions.
+        Written: sizes of the demand [rad], and positions.
     first, last : int
         Cases from the first up to the last are computed.
     """
-    count = 3 * lengths.shape[1]
+    count = 3 * lengths.shape[1]  # sample k: begin, middle or end (k % 3) of step k // 3
     for case in range(first, last):
+        # the last new maximum that is short of K times the demand, and the next one that is not
         sign, short, following, highest = signs[case], -1, count, -math.inf
         for k in range(count):
             height = sign * trim[case, k // 3, k % 3]
@@ -82,8 +85,9 @@ def dead_band_exits(
 def _demand_at(curves: Any, position: float) -> float:
     """Return the demand [rad] at a position in steps (2.5: middle of the third step).
 
-    By Hermite's cubic. `curves`: trim and demand [rad] ``(S, 3)``, slopes of the demand [rad/s]
-    ``(S, 2)``, and lengths of the steps [s] ``(S,)``.
+    The demand is the deflection that suffices if constant from then on; between begin and end of a
+    step it is Hermite's cubic. `curves`: trim and demand [rad] ``(S, 3)``, slopes of the demand
+    [rad/s] ``(S, 2)``, and lengths of the steps [s] ``(S,)``.
     """
     _, demand, slopes, lengths = curves
     step = min(int(position), lengths.shape[0] - 1)
@@ -97,8 +101,9 @@ def _demand_at(curves: Any, position: float) -> float:
 def _excess(curves: Any, sign: float, dead_band: float, floor: float, position: float) -> float:
     """Return trim, at least `floor`, minus K times the demand [rad], at a position in steps.
 
-    `curves`: trim, demand, its slopes, and lengths of the steps. `sign`: of the largest trim, which
-    counts as positive. `dead_band`: K.
+    Trim is the parabola of its values at begin, middle and end of the step. `curves`: trim, demand,
+    its slopes, and lengths of the steps. `sign`: of the largest trim, which counts as positive.
+    `dead_band`: K. `floor`: [rad].
     """
     trim = curves[0]
     step = min(int(position), trim.shape[0] - 1)
@@ -113,10 +118,10 @@ def _exit(
 ) -> float:
     """Return the position in steps at which the excess rises through zero, `high` if it does not.
 
-    The excess is trim minus K times the demand. `curves`: trim, demand, its slopes, and lengths of
-    the steps. `sign`: of the largest trim. `dead_band`: K. `floor`: smallest trim that counts
-    [rad]. `low`, `high`: positions between which the exit is sought. By the method of
-    `numerics.searches.roots_between`.
+    The excess is trim minus K times the demand [rad]. `curves`: trim, demand, its slopes, and
+    lengths of the steps. `sign`: of the largest trim. `dead_band`: K. `floor`: smallest trim that
+    counts [rad]. `low`, `high`: positions between which the exit is sought. By Chandrupatla's
+    method: inverse quadratic interpolation where it is safe, else bisection.
     """
     f1 = _excess(curves, sign, dead_band, floor, low)
     f2 = _excess(curves, sign, dead_band, floor, high)
@@ -129,8 +134,8 @@ def _exit(
         width, tolerance = abs(x2 - x1), _RELATIVE_TOLERANCE * abs(best) + 4.0 * _SMALLEST
         if width < tolerance or f1 == 0.0 or f2 == 0.0:
             break
-        step_fraction = 0.5
-        if x3 != x2 and f3 != f2:
+        step_fraction = 0.5  # of the bracket from x1, the newest point, to x2
+        if x3 != x2 and f3 != f2:  # x3: the point before
             fraction, height = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
             if 1.0 - math.sqrt(max(1.0 - fraction, 0.0)) < height < math.sqrt(max(fraction, 0.0)):
                 step_fraction = f1 / (f1 - f2) * f3 / (f3 - f2)

@@ -82,7 +82,7 @@ def piece_value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
     """Return value, slope and curvature of a piece of a history at the local time u [s].
 
     The piece is a sum of terms c_rk u^k e^(rate_r u). `c`: coefficients, ``(rates, degree + 1)``.
-    `rates`: [1/s], ``(rates,)``.
+    `rates`: [1/s], ``(rates,)``. Complex terms come in conjugate pairs: the real part is taken.
     """
     value, slope, curvature = 0.0, 0.0, 0.0
     for r in range(rates.size):
@@ -111,8 +111,9 @@ def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> An
 
     `c`, `rates`: coefficients ``(rates, degree + 1)`` and rates [1/s] of the terms c u^k e^(rate u)
     of f. `u`: local time at which the remainder begins [s]. `remainder`: its length [s]. `p`: pole
-    [1/s], which may be complex. By the moments of `numerics.pieces`, each order from the direction
-    that is stable for it.
+    [1/s], which may be complex. The moments, integrals of v^k e^(-z v) from 0 to 1, follow from
+    each other: upwards for k below ``|z|``, downwards from an order high enough to be neglected for
+    the others, which is the direction in which rounding does not grow.
     """
     degree = c.shape[1] - 1
     total = 0.0 * (c[0, 0] * p)
@@ -151,9 +152,10 @@ def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> An
 
 @bare
 def _recentred(c: Any, r: int, k: int, u: float) -> Any:
-    """Return the coefficient of order k, at rate number r, of a piece about a local time u [s].
+    """Return the coefficient of u^k, at rate number r, of a piece expanded about a local time u.
 
-    `c`: coefficients about zero, ``(rates, degree + 1)``. The factor e^(rate u) is omitted.
+    `c`: coefficients of v^k e^(rate v) about zero, ``(rates, degree + 1)``. `u`: [s]. The factor
+    e^(rate u) of the expansion is omitted.
     """
     degree = c.shape[1] - 1
     if u == 0.0 or k == degree:
@@ -172,14 +174,14 @@ def _recentred(c: Any, r: int, k: int, u: float) -> Any:
 def advance_filter(
     c: Any, rates: Any, u: float, x: float, y: float, b1: float, q: float, work: Any
 ) -> tuple[float, float]:
-    """Return the state (x, y) of x' = y, y' = f - b1 y - q x a time u [s] later.
+    """Return the state (x, y) of the filter x' = y, y' = f - b1 y - q x a time u [s] later.
 
-    `c`, `rates`: coefficients ``(rates, degree + 1)`` and rates [1/s] of the terms c v^k e^(rate v)
-    of f. `x`, `y`: the state at the start, where v = 0. `b1`, `q`: of the filter [1/s, 1/s^2].
-    `work`: work array ``(2, degree + 1)``, of the type of the coefficients.
+    The wind f is a sum of terms c v^k e^(rate v). `c`, `rates`: coefficients ``(rates, degree +
+    1)`` and rates [1/s]. `x`, `y`: the state at the start, where v = 0. `b1`, `q`: of the filter
+    [1/s, 1/s^2]. `work`: work array ``(2, degree + 1)``, of the type of the coefficients.
 
     The responses to the impulse and to v^k e^(rate v) are series over a time so short that no rate
-    times it exceeds one, then doubled repeatedly.
+    times it exceeds one; then the time is doubled repeatedly.
     """
     new_x, new_y = 0.0, 0.0
     degree = c.shape[1] - 1
@@ -195,7 +197,7 @@ def advance_filter(
         while (slow + abs(rate)) * step > 1.0:
             step *= 0.5
             doublings += 1
-        # The impulse response f, its slope g, and above them the integrals of f e^(-rate v).
+        # impulse response f and its slope g; responses to v^k e^(rate v) in work[1]
         f, g = _impulse_series(work, degree, rate, step, b1, q, (slow + abs(rate)) * step)
         for _ in range(doublings):
             growth = np.exp(rate * step)
@@ -214,7 +216,7 @@ def advance_filter(
             derivative = rate * response + (k * work[1, k - 1] if k > 0 else f)
             new_x += (c[r, k] * response).real
             new_y += (c[r, k] * derivative).real
-        if r == 0:
+        if r == 0:  # once: the response to the state at the start
             new_x += (g + b1 * f) * x + f * y
             new_y += g * y - q * f * x
     return new_x, new_y
@@ -224,16 +226,17 @@ def advance_filter(
 def _impulse_series(
     work: Any, degree: int, rate: Any, step: float, b1: float, q: float, size: float
 ) -> tuple[float, float]:
-    """Return the impulse response f of trim's filter and its slope g after `step` [s], by series.
+    """Return the impulse response f of the filter y'' + b1 y' + q y and its slope g, by series.
 
-    To `work` ``(2, degree + 1)``, row 1, the responses to v^k e^(rate v) are written, which are k!
-    f(s)/(s - rate)^(k + 1), a ladder of sums over the terms of f. `degree`: highest k. `rate`:
-    [1/s]. `b1`, `q`: of y'' + b1 y' + q y [1/s, 1/s^2]. `size`: bound of all rates times the step.
+    Both after a time `step` [s]. To row 1 of `work` ``(2, degree + 1)`` the responses to v^k
+    e^(rate v) are written, sums of the same terms: the response to k - 1 is the source of the next.
+    `degree`: highest k. `rate`: [1/s]. `b1`, `q`: [1/s, 1/s^2]. `size`: bound of all rates times
+    the step, which is at most one.
     """
     for k in range(degree + 1):
         work[0, k], work[1, k] = 0.0, 0.0
     f, g, term_f, term_g = 0.0, 1.0, 0.0, 1.0
-    n, error = 0, 1.0
+    n, error = 0, 1.0  # number of the term, and its bound
     while error > _NEGLIGIBLE_TERM or n < degree + 3:
         n += 1
         fraction = step / n
@@ -250,10 +253,11 @@ def _impulse_series(
 
 @bare
 def integrate_wind(wind: Wind, law: ExitLaw) -> None:
-    """Write the remaining integral and the filter's state at each breakpoint, to `marched`.
+    """Write the remaining integral and the filter's state at each breakpoint, to `wind.marched`.
 
-    Backwards W_i = integral over the segment + e^(-p width) W_(i+1), forwards x and y = x' of the
-    filter. `wind`: its breakpoints and pieces; `law`: the pole p and the filter of trim.
+    Backwards the integral W of e^(-p r) f(t + r) dr over the remaining wind f, W_i = that over the
+    segment + e^(-p width) W_(i+1); forwards the state x, y = x' of the filter of trim, x'' + b1 x'
+    + q x = f. `wind`: its breakpoints and pieces. `law`: p, b1 and q.
     """
     knots, c, rates, marched, _ = wind
     p, last = law.p, knots.size - 1
@@ -269,8 +273,8 @@ def integrate_wind(wind: Wind, law: ExitLaw) -> None:
 def integrate_filter(wind: Wind, law: ExitLaw) -> None:
     """Write the state (x, y) of x'' + b1 x' + q x = f, y = x', at n breakpoints of a wind f.
 
-    Trim is f + (b2 - b1) y; without this term (`law.gain` zero) the states are zero. They become
-    the last two rows of `wind.marched`, ``(3, n)``, whose first is the remaining integral.
+    Trim over -B is f + gain y; where `law.gain`, which is b2 - b1, is zero the states are. They
+    become the last two rows of `wind.marched`, ``(3, n)``, whose first is the remaining integral.
     """
     knots, c, rates, marched, work = wind
     gain, b1, q = law.gain, law.b1, law.q
@@ -298,11 +302,12 @@ def onset_piece(wind: Wind) -> int:
 
 @bare
 def cell_count(wind: Wind, law: ExitLaw, i: int) -> int:
-    """Return the number of cells of segment i of a wind, in which sign changes are sought.
+    """Return the number of cells into which segment i of a wind is divided to find sign changes.
 
-    It is one more than the width times the fastest rate, at the scale of `_CELLS_PER_RATE`: of the
-    wind's exponentials, and where trim is filtered by a second-order filter (`law`) of b1 and
-    sqrt(q).
+    Within a cell no second derivative changes its sign twice. The number is one more than the width
+    times the fastest rate: `_CELLS_PER_RATE` times the rates of the wind's terms u^k e^(rate u),
+    and where trim is filtered by x'' + b1 x' + q x (`law`) b1 and sqrt(q); and more for powers k
+    above one.
     """
     knots, c, rates, _, _ = wind
     gain, b1, q = law.gain, law.b1, law.q
@@ -321,8 +326,8 @@ def cell_count(wind: Wind, law: ExitLaw, i: int) -> int:
 def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
     """Return the number of intervals of segment i of a wind in which the driver is monotone.
 
-    To `ends` their ends are written, local times [s]; a segment without width has none. `law`: the
-    filter of trim, and whether the driver is the wind or its trim.
+    The driver is the wind or its trim, as `law` says: what is compared with K times the demand. To
+    `ends` the ends of the intervals are written, local times [s]; a segment without width has none.
     """
     width, count = wind.knots[i + 1] - wind.knots[i], 0
     ends[0] = 0.0
@@ -332,7 +337,7 @@ def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
     for cell in range(cells):
         a, b = width * cell / cells, width * (cell + 1) / cells
         turns, first, second = sign_changes(DRIVER_SLOPE, wind, law, i, a, b)
-        if turns > 0:
+        if turns > 0:  # times at which the slope changes its sign
             ends[count + 1] = first
         if turns > 1:
             ends[count + 2] = second
@@ -343,9 +348,10 @@ def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
 
 @bare
 def filter_state(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float]:
-    """Return the state (x, y) of trim's filter at the local time u [s] of segment i of a wind.
+    """Return the state (x, y) of trim's filter at the local time u [s] of segment i of a wind f.
 
-    `law`: the filter, x'' + b1 x' + q x = f with y = x'.
+    `law`: the filter, x'' + b1 x' + q x = f with y = x'; without its term in trim (`law.gain` zero)
+    the state is zero. `wind`: with the states at its breakpoints, rows 1 and 2 of `marched`.
     """
     knots, c, rates, marched, work = wind
     gain, b1, q = law.gain, law.b1, law.q
@@ -358,10 +364,11 @@ def filter_state(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, flo
 
 @bare
 def _trim(law: ExitLaw, wind_terms: Any, x: float, y: float) -> tuple[float, float, float]:
-    """Return trim over -B, its slope and its curvature, from the wind's and the filter's state.
+    """Return trim g over -B, its slope and its curvature, from the wind's and the filter's state.
 
-    g = f + (b2 - b1) y with y' = f - b1 y - q x, x' = y, and so y'' = f' - b1 y' - q y. `law`: the
-    filter. `wind_terms`: f, f' and f''. `x`, `y`: state of the filter.
+    g = f + gain y of the wind f, with the filter y' = f - b1 y - q x, x' = y, and so y'' = f' - b1
+    y' - q y. `law`: gain (b2 - b1), b1 and q. `wind_terms`: f, f' and f''. `x`, `y`: state of the
+    filter.
     """
     gain, b1, q = law.gain, law.b1, law.q
     f, slope, curvature = wind_terms
@@ -373,7 +380,8 @@ def _trim(law: ExitLaw, wind_terms: Any, x: float, y: float) -> tuple[float, flo
 def driver(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float, float]:
     """Return the driver, its slope and its curvature at the local time u [s] of segment i.
 
-    `law`: whether the driver is the wind itself or its trim, whose size exits the dead band.
+    The driver is what is compared with K times the demand at the exit of the dead band: the wind
+    itself, or its trim over -B where `law.trim_drives`.
     """
     wind_terms = piece_value(wind.coefficients[i], wind.rates, u)
     if not law.trim_drives or law.gain == 0.0:
@@ -386,8 +394,9 @@ def driver(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float, fl
 def demand(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
     """Return the demand at the local time u [s] of segment i of a wind, over -B and its peak.
 
-    It is the constant deflection that satisfies (4b) from then on; infinite where trim outgrows the
-    mode. `law`: unstable pole and filter of trim.
+    It is the constant deflection that, from then on, satisfies the boundary condition (4b) of the
+    report; infinite where trim grows faster than the unstable mode. `law`: unstable pole and filter
+    of trim.
     """
     x, y = filter_state(wind, law, i, u)
     return _demand(wind, law, i, u, x, y)
@@ -397,8 +406,10 @@ def demand(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
 def _demand(wind: Wind, law: ExitLaw, i: int, u: float, x: float, y: float) -> float:
     """Return the demand at the local time u [s] of segment i, from the filter's state (x, y) there.
 
-    It is infinite where the filter of `law` grows as fast as the mode, -b1/2 + sqrt(b1^2/4 - q) >=
-    p. `wind`: the wind with its remaining integrals.
+    It is the constant deflection over -B that, from then on, satisfies eq (4b) of the report;
+    infinite where the filter y'' + b1 y' + q y of trim grows as fast as the mode, -b1/2 +
+    sqrt(b1^2/4 - q) >= p. `wind`: with its remaining integrals at breakpoints, row 0 of `marched`.
+    `law`: p, b1 and q.
     """
     knots, c, rates, marched, _ = wind
     gain, b1, q = law.gain, law.b1, law.q
@@ -422,7 +433,8 @@ def _demand(wind: Wind, law: ExitLaw, i: int, u: float, x: float, y: float) -> f
 def remaining_integral(wind: Wind, i: int, u: float, p: Any) -> Any:
     """Return the integral of e^(-p r) f(t + r) dr over all the wind f after a time t.
 
-    `i`, `u`: segment and local time [s] of t. `p`: pole [1/s], which may be complex.
+    `i`, `u`: segment of the wind and local time in it [s], which are t. `p`: pole [1/s], which may
+    be complex.
     """
     knots, c, rates, _, _ = wind
     total = 0.0 * (p * c[0, 0, 0])
@@ -435,12 +447,13 @@ def remaining_integral(wind: Wind, i: int, u: float, p: Any) -> Any:
 
 @bare
 def demand_of_integral(law: ExitLaw, p: Any, integral: Any, x: float, y: float) -> Any:
-    """Return the demand of a pole p, possibly complex, from the wind's integral and a filter state.
+    """Return the demand D of a pole p, possibly complex, from the wind's integral and filter state.
 
-    With `integral` W, of e^(-p r) f(t + r) dr, and the state (x, y) of the filter (`law`) at t, the
-    Laplace transform of y' = f - b1 y - q x, x' = y from t on is
+    D is the constant deflection over -B that balances the remaining trim g = f + gain y in the
+    mode, p times the Laplace transform of g from t on. With `integral` W, of e^(-p r) f(t + r) dr,
+    and the state (x, y) of the filter y' = f - b1 y - q x, x' = y (`law`, with gain b2 - b1) at t,
 
-            Y (p + b1 + q/p) = W + y - q x/p,        D = p [W + (b2 - b1) Y].
+            Y (p + b1 + q/p) = W + y - q x/p,        D = p [W + gain Y].
     """
     gain, b1, q = law.gain, law.b1, law.q
     if gain == 0.0:
@@ -454,10 +467,11 @@ def evaluate(
 ) -> tuple[float, float, float]:
     """Return the function `kind`, its slope, and its curvature or zero, at the local time u [s].
 
-    Of segment i, with the driver d, trim g and the demand D. DRIVER_SLOPE: d'. EXCESS_FORCING: h =
-    d' - p d + K p g. HEIGHT: d - floor. EXCESS: e = max(d, floor) - K D, with D' = p (D - g) and
-    D'' = p (D' - g'). The first two have no curvature: their roots are found by Newton's steps.
-    `wind`, `law`: wind with its integrals, and p, K and the filter.
+    Of segment i of a wind, with trim g over -B, the driver d, which is the wind or g, and the
+    demand D, the constant deflection that suffices from then on. DRIVER_SLOPE: d'. EXCESS_FORCING:
+    h = d' - p d + K p g. HEIGHT: d - floor. EXCESS: e = max(d, floor) - K D, with D' = p (D - g)
+    and D'' = p (D' - g'). The first two have no curvature: their roots are found by Newton's steps.
+    `law`: p, K, the filter of trim, and which is the driver.
     """
     p, K = law.p, law.K
     wind_terms = piece_value(wind.coefficients[i], wind.rates, u)
@@ -485,8 +499,8 @@ def sign_changes(
 ) -> tuple[int, float, float]:
     """Return the number of sign changes of a function in a cell, at most two, and their times.
 
-    `kind`: function of `evaluate`. `wind`, `law`, `i`: of the function. `a`, `b`: ends of the cell,
-    local times [s]. Times without a sign change are the ends.
+    `kind`: function of `evaluate`. `wind`, `law`, `i`: wind, numbers of the dead band, and segment.
+    `a`, `b`: ends of the cell, local times [s]. Times without a sign change are the ends.
     """
     at_a, slope_a, _ = evaluate(kind, 0.0, wind, law, i, a)
     at_b, slope_b, _ = evaluate(kind, 0.0, wind, law, i, b)
@@ -529,8 +543,9 @@ def root(
 ) -> float:
     """Return the local time [s] of a sign change of a function, by Halley's steps in a bracket.
 
-    `kind`, `floor`, `wind`, `law`, `i`: function of `evaluate`. `a`, `b`: ends of the bracket,
-    local times [s]; `at_a`, `at_b`: values there; without a sign change the end that is zero, or b.
+    `kind`, `floor`, `wind`, `law`, `i`: function of `evaluate`, its level, wind, numbers of the
+    dead band, and segment. `a`, `b`: ends of the bracket, local times [s]. `at_a`, `at_b`: values
+    there; without a sign change the end that is zero is returned, or b.
 
     u <- u - f f'/(f'^2 - f f''/2), starting at the zero of the secant; the middle of the bracket
     where such a step would leave it.
@@ -546,6 +561,7 @@ def root(
         else:
             b = u
         divisor = slope * slope - 0.5 * at_u * curvature
+        # without a divisor a step that leaves the bracket
         step = -at_u * slope / divisor if divisor > 0.0 else 2.0 * (b - a)
         if a <= u + step <= b:
             u += step

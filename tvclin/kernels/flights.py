@@ -36,7 +36,10 @@ JUDGED_SAMPLES = 8
 
 @inlined
 def expand_wind(f: Flights, i: int, now: float) -> None:
-    """Write the polynomial of flight i's wind about the time `now` [s], in its current piece."""
+    """Write the polynomial of flight i's wind about the time `now` [s], in its current piece.
+
+    `f`: batch of flights, whose `now.here` it is written to.
+    """
     here, w, j = f.now.here[i], f.cases.wind[i], f.now.piece[i]
     expand_piece(f.winds.pieces, f.winds.knots, w, j, now, here)
 
@@ -75,8 +78,9 @@ def shift_polynomial(c: FloatArray, u: float) -> None:
 def pass_knots(f: Flights, i: int, begin: float, end: float) -> None:
     """Add the effect of the wind's knots in an interval of flight i, and set the piece at its end.
 
-    `begin`, `end`: of the interval [s]. At a knot inside, the response to the change of the wind is
-    added.
+    A knot is a time at which a wind goes over to its next polynomial piece; the current one is
+    `f.now.piece[i]`, -1 before the first. `begin`, `end`: of the interval [s]. At a knot inside,
+    the response of the states to the change of the wind is added.
     """
     knots = f.winds.knots[f.cases.wind[i]]
     while f.now.piece[i] + 1 < knots.size and knots[f.now.piece[i] + 1] <= end:
@@ -91,8 +95,10 @@ def add_gust_response(f: Flights, i: int, knot: float, time: float) -> None:
     """Add to the states of flight i the response to the change of its wind at a knot, by series.
 
     `knot`: time of the knot [s]; from there on the next piece differs from the current one. `time`:
-    from the knot to the end of the interval [s]. The terms about the start of an interval t are
-    x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1), x_0 being the result of the interval before.
+    from the knot to the end of the interval [s]. x' = A x + gust w is integrated for the difference
+    w in parts in which ``|A| t`` stays below `_MAX_SERIES_ARGUMENT`; the terms about the start of a
+    part of length t are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1), x_0 being the response
+    before.
     """
     p, n, w = f.cases.vehicle[i], f.vehicles.A.shape[1], f.cases.wind[i]
     difference, j = f.now.here[i], f.now.piece[i] + 1
@@ -102,17 +108,17 @@ def add_gust_response(f: Flights, i: int, knot: float, time: float) -> None:
         difference[r] = f.winds.pieces[w, j, r] - difference[r]
     for r in range(n):
         response[r] = 0.0
-    intervals = 1 + int(f.vehicles.fastest[p] * time / _MAX_SERIES_ARGUMENT)
-    for k in range(intervals):
+    parts = 1 + int(f.vehicles.fastest[p] * time / _MAX_SERIES_ARGUMENT)
+    for k in range(parts):
         if k > 0:
-            shift_polynomial(difference, time / intervals)
+            shift_polynomial(difference, time / parts)
         for r in range(n):
             term[r] = response[r]
         add_series(
             f.vehicles.A[p],
             f.vehicles.gust[p],
             difference,
-            time / intervals,
+            time / parts,
             previous,
             term,
             response,
@@ -131,11 +137,11 @@ def add_series(
     term: FloatArray,
     response: FloatArray,
 ) -> None:
-    """Add to `response` the terms of its series over an interval that follow the first.
+    """Add to the state `response` ``(n,)`` its change over an interval, as a power series.
 
-    `A`, `gust`: of x' = A x + gust w, ``(n, n)`` and ``(n,)``. `difference`: w, a polynomial,
+    Of x' = A x + gust w. `A`, `gust`: ``(n, n)`` and ``(n,)``. `difference`: w, a polynomial,
     lowest power first. `length`: of the interval [s]. `previous`: work array ``(n,)``. `term`: the
-    first term, overwritten.
+    first term, which is the state at the start; overwritten.
     """
     n, power = response.size, length
     for k in range(_SERIES_TERMS):
@@ -153,7 +159,10 @@ def add_series(
 
 @inlined
 def keep_peak(peaks: FloatArray, row: int, value: float) -> None:
-    """Replace the peak number `row` of a flight by the size of a value, if that is larger."""
+    """Replace the peak number `row` of a flight by the size of a value, if that is larger.
+
+    `peaks`: of attitude, its rate, deflection, its rate, and angle of attack, in this order.
+    """
     peaks[row] = max(peaks[row], abs(value))
 
 
@@ -163,15 +172,16 @@ def move_interval(
 ) -> None:
     """Move vehicle and nozzle of flight i through an interval of sample k, at the command c [rad].
 
-    `interval`: its index; the one after the delay is 0. `begin`, `end`: its times [s]. In substeps
-    where the nozzle may reach a limit, else in one step.
+    A delayed command divides a sample into two intervals. `interval`: index, 0 after the arrival of
+    the command. `begin`, `end`: its times [s]. In substeps where the nozzle may reach a limit, else
+    in one step.
     """
     p = f.cases.vehicle[i]
-    short, count = f.steps.short[p, interval], f.steps.substeps[p, interval]
+    substep, count = f.steps.short[p, interval], f.steps.substeps[p, interval]  # length, number
     unlimited = count > 1 and is_unlimited(f, i, interval, c)
     first, steps = begin, 1 if unlimited else count
     for step in range(steps):
-        last = begin + short * (step + 1) if step < steps - 1 else end
+        last = begin + substep * (step + 1) if step < steps - 1 else end
         if step > 0:
             expand_wind(f, i, first)
         move_substep(f, i, interval, unlimited, c)
@@ -186,8 +196,10 @@ def move_interval(
 def is_unlimited(f: Flights, i: int, interval: int, c: float) -> bool:
     """Return whether the nozzle of flight i reaches no limit in any substep of an interval.
 
-    `interval`: index of the interval of a sample. `c`: command [rad], constant in it. The nozzle's
-    deflection s [rad] and rate v [rad/s] do not depend on the vehicle.
+    If so, its peaks of deflection and rate are kept. `interval`: index of the interval of a sample.
+    `c`: command [rad], constant in it. The nozzle's deflection s [rad] and, of second order, its
+    rate v [rad/s] do not depend on the vehicle: they are states number n and n + 1, behind the
+    vehicle's, and have these rows in the transition matrix J of a substep.
     """
     p, n, size = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y.shape[1]
     J, s, v, next_v = f.steps.fine[p, interval], f.now.y[i, n], 0.0, 0.0
@@ -212,20 +224,22 @@ def is_unlimited(f: Flights, i: int, interval: int, c: float) -> bool:
 def move_substep(f: Flights, i: int, interval: int, unlimited: bool, c: float) -> None:
     """Write the next states of vehicle and nozzle of flight i, over an interval or a substep.
 
-    `interval`: its index in the sample. `unlimited`: whether it is one step without limits. `c`:
-    command [rad].
+    `interval`: its index in the sample. `unlimited`: whether it is one step over the whole
+    interval, without limits of the nozzle. `c`: command [rad]. In a substep in which the nozzle is
+    limited its deflection is linear between the values at both ends. Peaks are kept if there are
+    several substeps.
     """
     p, n, y, new = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y[i], f.now.next[i]
     limit, f.now.bounded[i] = f.cases.limit[i], False
     if unlimited:
-        free_step(f, i, f.steps.joint[p, interval], c)
+        free_step(f, i, f.steps.joint[p, interval], c)  # the matrix J of the whole interval
         return
-    free_step(f, i, f.steps.fine[p, interval], c)
+    free_step(f, i, f.steps.fine[p, interval], c)  # that of a substep
     f.now.bounded[i] = limit_nozzle(f, i, interval, c)
     first, last = min(max(y[n], -limit), limit), min(max(new[n], -limit), limit)
     if f.now.bounded[i]:
         ramp_step(f, i, f.steps.fine[p, interval], f.steps.ramp[p, interval], first, last)
-        if f.steps.ramp.shape[3] > 2:
+        if f.steps.ramp.shape[3] > 2:  # also columns for the nozzle's rates: engine with inertia
             add_engine_impulses(f, i, f.steps.ramp[p, interval])
     if f.steps.substeps[p, interval] > 1:
         keep_peak(f.now.peaks[i], 2, last)
@@ -238,14 +252,16 @@ def write_track_row(
 ) -> None:
     """Write the row of the track of a substep of flight i: states, command, limits and start.
 
-    `interval`: index of the interval of sample k. `step`: number of the substep in it. `c`: command
-    [rad]. `begin`: start of the substep [s].
+    The track ``(rows, N + 4)`` records a single flight; it is empty for others. A row has N states
+    and the command at the start, the deflection at the end, one if the nozzle was limited, and the
+    start. `interval`: index of the interval of sample k, the later of two being 0. `step`: number
+    of the substep in it. `c`: command [rad]. `begin`: start of the substep [s].
     """
     rows = f.track.shape[0]
     if rows == 0:
         return
     p, y, limit, size = f.cases.vehicle[i], f.now.y[i], f.cases.limit[i], f.now.y.shape[1]
-    total, previous = 0, 0
+    total, previous = 0, 0  # substeps of a sample, and of its earlier interval
     for j in range(f.steps.joint.shape[1]):
         total += f.steps.substeps[p, j]
         if j > interval:
@@ -265,7 +281,8 @@ def write_track_row(
 def free_step(f: Flights, i: int, J: FloatArray, c: float) -> None:
     """Write the next states J [y, c, w0, w1, ...] of flight i, without limits of the nozzle.
 
-    `J`: transition matrix ``(N, N + 1 + terms)``. `c`: command [rad].
+    `J`: transition matrix ``(N, N + 1 + terms)`` on the states y, the command c [rad], and the
+    coefficients of the wind's polynomial.
     """
     y, here, new = f.now.y[i], f.now.here[i], f.now.next[i]
     size = y.size
@@ -286,12 +303,13 @@ def is_limited(
 
     `interval`: index of the interval of a sample. `c`: command [rad]. `s`, `v`: deflection [rad]
     and rate [rad/s] at the start, `next_s`, `next_v`: without limits at the end. A first-order
-    nozzle starts with omega (c - s) and is slower afterwards: `quick` is omega times the length of
-    the substep, which is compared with the travel at the rate limit.
+    nozzle starts with the rate omega (c - s) and is slower afterwards: `f.steps.quick` is omega
+    times the length of the substep, so that their product is compared with the travel at the rate
+    limit.
     """
     p, max_rate = f.cases.vehicle[i], f.cases.rate_limit[i]
-    reach = max_rate * f.steps.short[p, interval]
-    if abs(c - s) * f.steps.quick[p, interval] > reach or abs(next_s - s) > reach:
+    travel = max_rate * f.steps.short[p, interval]  # the largest in a substep [rad]
+    if abs(c - s) * f.steps.quick[p, interval] > travel or abs(next_s - s) > travel:
         return True
     if max(abs(next_s), abs(s)) > _LIMIT_TOLERANCE * f.cases.limit[i]:
         return True
@@ -300,10 +318,12 @@ def is_limited(
 
 @inlined
 def limit_nozzle(f: Flights, i: int, interval: int, c: float) -> bool:
-    """Return whether rate or deflection limit act in a substep, and limit the next states.
+    """Return whether rate or deflection limit act in a substep, and if so limit the next states.
 
-    `f`, `i`: flight, whose next states are without limits before. `interval`: index of the interval
-    of a sample. `c`: command [rad].
+    `f`, `i`: flight, whose next states are without limits before. Deflection and, of a second-order
+    nozzle, rate are states number n and n + 1. The travel is limited to that at the rate limit; the
+    deflection at its limit is the caller's. `interval`: index of the interval of a sample. `c`:
+    command [rad].
     """
     p, n, max_rate = f.cases.vehicle[i], f.vehicles.A.shape[1], f.cases.rate_limit[i]
     y, new = f.now.y[i], f.now.next[i]
@@ -311,9 +331,9 @@ def limit_nozzle(f: Flights, i: int, interval: int, c: float) -> bool:
     v, next_v = (y[n + 1], new[n + 1]) if second else (0.0, 0.0)
     if not is_limited(f, i, interval, c, y[n], v, new[n], next_v):
         return False
-    reach = max_rate * f.steps.short[p, interval]
-    if abs(new[n] - y[n]) > reach:
-        new[n] = y[n] + (reach if new[n] > y[n] else -reach)
+    travel = max_rate * f.steps.short[p, interval]  # the largest in a substep [rad]
+    if abs(new[n] - y[n]) > travel:
+        new[n] = y[n] + (travel if new[n] > y[n] else -travel)
     if second and max(abs(next_v), abs(v)) >= max_rate:
         new[n + 1] = min(max(next_v, -max_rate), max_rate)
     return True
@@ -326,8 +346,9 @@ def ramp_step(
     """Write the next states of the vehicle of flight i, for a deflection that is linear in time.
 
     x <- Phi x + ramp [first, last] + the wind's terms of J. `J`: transition matrix ``(N, N + 1 +
-    terms)``, which has Phi. `ramp`: effect of the deflection at both ends, ``(n, 2)`` or more
-    columns. `first`, `last`: deflection at both ends [rad].
+    terms)``, whose first rows and columns are Phi, its last columns of the wind's polynomial.
+    `ramp`: effect of the deflection at both ends, ``(n, 2)`` or more columns. `first`, `last`:
+    deflection at both ends [rad].
     """
     n, y, here, new = f.vehicles.A.shape[1], f.now.y[i], f.now.here[i], f.now.next[i]
     for r in range(n):
@@ -344,9 +365,9 @@ def add_engine_impulses(f: Flights, i: int, ramp: FloatArray) -> None:
     """Add the effect on the vehicle of an engine with inertia when its rate jumps, at both ends.
 
     `f`, `i`: flight. `ramp`: effects in a substep, ``(n, 4)``: of the deflection at both ends, and
-    of the rates before and after. The constant rate v of a substep lies between the rates before
-    and after: the acceleration is (v - before) and (after - v) as impulses. The terms of v are in
-    the first columns.
+    of the nozzle's rates before and after. The constant rate v of a substep lies between these: the
+    acceleration is (v - before) and (after - v) as impulses. The terms of v are in the first
+    columns, since v is the difference of the deflections over the time.
     """
     n, y, new, limit = f.vehicles.A.shape[1], f.now.y[i], f.now.next[i], f.cases.limit[i]
     before, after = nozzle_rate(y, n, limit), nozzle_rate(new, n, limit)
@@ -365,7 +386,7 @@ def nozzle_rate(y: FloatArray, n: int, limit: float) -> float:
 
 @bare
 def fly(f: Flights, first: int, last: int) -> None:
-    """Fly the cases from `first` up to `last` of the batch f, each to its end."""
+    """Fly the cases from `first` up to `last` of the batch f, each until its outcome is decided."""
     for i in range(first, last):
         for k in range(NEVER):
             if not measure_sample(f, i, k):
@@ -381,11 +402,11 @@ def fly_in_planes(
 ) -> None:
     """Fly cases from `first` up to `last` in both planes, the vector of their demands limited.
 
-    `pitch`, `yaw`: flights of each plane, of the same number of cases. The demands behind the
-    filters are brought into the limit shape along their direction; each plane has its own limit
-    besides. `normals`: of the edges of the limit shape over their distance from zero, ``(k, 2)``;
-    none for a circle. `limit`: scale [rad] of the limit shape, ``(m,)``. The flights of both planes
-    end at the same sample.
+    `pitch`, `yaw`: flights of each plane, of the same number m of cases, which end at the same
+    sample. The demands (x, y) behind the filters are scaled by min(1, limit/g) with the gauge g of
+    the limit shape; each plane has its own limit besides. `normals`: n of the edges of the shape,
+    over their distance from zero, ``(k, 2)``, so that g is the largest of n.(x, y); none for a
+    circle. `limit`: scale of the shape [rad], ``(m,)``.
     """
     for i in range(first, last):
         for k in range(NEVER):
@@ -405,7 +426,8 @@ def fly_in_planes(
 def autopilot_demand(f: Flights, i: int) -> float:
     """Return the demand [rad] of the law of flight i, behind its filters.
 
-    `f`: batch of flights, of laws without modes in which the whole limit is commanded.
+    `f`: batch of flights, of laws without a mode in which the whole limit is commanded. The demand
+    before the filters is stored among the sensed values (`filtered_demand`).
     """
     law = f.laws.numbers[f.cases.law[i]]
     demand = law_demand(law, f.now.measured[i], f.now.states[i], f.cases.limit[i])
@@ -414,7 +436,10 @@ def autopilot_demand(f: Flights, i: int) -> float:
 
 @bare
 def measure_flights(f: Flights, k: int) -> int:
-    """Measure all flights of the batch f at sample k; return the number of those that continue."""
+    """Write the measurements of all flights of the batch f that have not ended, at sample k.
+
+    Returns the number of those that continue.
+    """
     count = 0
     for i in range(f.cases.limit.size):
         if f.now.ended[i] < 0 and measure_sample(f, i, k):
@@ -426,10 +451,10 @@ def measure_flights(f: Flights, k: int) -> int:
 def move_flights(
     f: Flights, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray
 ) -> None:
-    """Move all flights of the batch f that continue by sample k, with laws in Python.
+    """Move all flights of the batch f that have not ended by sample k, for laws written in Python.
 
-    `demand`: of the laws [rad]. `engage`, `release`: sizes over the limit at which the whole limit
-    is commanded, and released. All ``(m,)``.
+    `demand`: deflections that the laws demand [rad]. `engage`, `release`: sizes of the demand over
+    the limit at which the whole limit is commanded, and released. All ``(m,)``.
     """
     for i in range(f.cases.limit.size):
         if f.now.ended[i] < 0:
@@ -438,21 +463,28 @@ def move_flights(
 
 @inlined
 def measure_sample(f: Flights, i: int, k: int) -> bool:
-    """Write the measurements of the law of flight i at sample k; return whether it continues."""
-    if 0 < k < f.cases.stages[i]:
+    """Write the measurements of flight i's law at sample k; return whether the flight continues.
+
+    Sensed are the outputs of the vehicle from its n states x and the wind, and the deflection,
+    which is state number n, within its limit; measured is the same behind the filters of the law.
+    After the wind the outcome is decided every `JUDGED_SAMPLES`; the flight ends once it is, or at
+    a given sample.
+    """
+    if 0 < k < f.cases.stages[i]:  # a vehicle and a law for each sample
         take_next_stage(f, i)
     p, peaks, sensed, x = f.cases.vehicle[i], f.now.peaks[i], f.now.sensed[i], f.now.y[i]
     n = f.vehicles.A.shape[1]
     expand_wind(f, i, f.cases.start[i] + f.steps.lengths[p, 0] * k)
-    for r in range(f.vehicles.shown.shape[1]):
-        total = f.vehicles.shown[p, r, n] * f.now.here[i, 0]
+    wind = f.now.here[i, 0]  # [rad], at this sample
+    for r in range(f.vehicles.shown.shape[1]):  # rows of the outputs
+        total = f.vehicles.shown[p, r, n] * wind
         for j in range(n):
             total += f.vehicles.shown[p, r, j] * x[j]
-        sensed[r if r < 4 else r + 1] = total
+        sensed[r if r < 4 else r + 1] = total  # number 4 is the deflection
     sensed[4] = min(max(x[n], -f.cases.limit[i]), f.cases.limit[i])
     keep_peak(peaks, 0, x[0])
     keep_peak(peaks, 1, x[1])
-    keep_peak(peaks, 4, sensed[3])
+    keep_peak(peaks, 4, sensed[3])  # angle of attack
     after = k - f.cases.ends[i]
     if after > 0 and after % JUDGED_SAMPLES == 0 and f.now.outcome[i] != LOST:
         judge_states(f, i)
@@ -472,7 +504,11 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
 
 @inlined
 def take_next_stage(f: Flights, i: int) -> None:
-    """Write the indices of vehicle, law and memory of the next stage of flight i."""
+    """Write the indices of vehicle, law and memory of the next stage of flight i.
+
+    A flight along an ascent has a vehicle and a law for each sample, one behind the other; the
+    memory, the transition matrix of the law's states, is also one for each sample, or a single one.
+    """
     f.cases.vehicle[i] += 1
     f.cases.law[i] += 1
     if f.laws.memory.shape[0] > 1:
@@ -481,7 +517,10 @@ def take_next_stage(f: Flights, i: int) -> None:
 
 @inlined
 def row_product(f: Flights, i: int, row: FloatArray) -> float:
-    """Return the product of a row ``(s + 9,)`` with law states and sensed values of flight i."""
+    """Return the product of a row ``(s + 9,)`` with the law's states and sensed values of flight i.
+
+    The 9 sensed values are 8 sensor outputs and the demand of the law.
+    """
     s, total = f.now.states.shape[1], 0.0
     for j in range(s):
         total += row[j] * f.now.states[i, j]
@@ -492,11 +531,12 @@ def row_product(f: Flights, i: int, row: FloatArray) -> float:
 
 @inlined
 def judge_states(f: Flights, i: int) -> None:
-    """Decide the outcome of flight i after its wind, if possible; a survivor may yet diverge.
+    """Decide the outcome of flight i after its wind, if its states show it.
 
-    It is lost outside the recoverable set |z1| < D, slow_edges(z1) about z2 (see
-    `boundary.recoverable`, whose rows times the states are z1 and z2); it survives when both stay
-    below a fraction of D.
+    Its unstable coordinates z1 and z2, rows of `judges` times the states, are lost outside the
+    recoverable set, ``|z1| < D`` and z2 between the `slow_edges` at z1, where D = reach limit is
+    the largest z1 that the limit brings back. It survives when both have stayed below a fraction of
+    D for long enough, but may yet diverge; vehicles without such a criterion have no reach (NaN).
     """
     p = f.cases.vehicle[i]
     reach, ratio = f.vehicles.reach[p] * f.cases.limit[i], f.vehicles.ratio[p]
@@ -524,11 +564,10 @@ def judge_states(f: Flights, i: int) -> None:
 
 @inlined
 def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, release: float) -> None:
-    """Move flight i by sample k, with the demand [rad] of its law.
+    """Move flight i by sample k, with the demand [rad] of its law before the filters.
 
-    `engage`, `release`: sizes over the limit at which the whole limit is commanded, and released.
-    The command of sample k acts from k + late on, or for a fractional delay within that step: its
-    first interval (1) still has the command before, its second (0) this one.
+    `engage`, `release`: sizes of the filtered demand over the limit at which the whole limit is
+    commanded, with its sign (mode +1 or -1), and released.
     """
     limit, demand = f.cases.limit[i], filtered_demand(f, i, demand)
     mode = next_mode(engage * limit, release * limit, demand, f.now.mode[i])
@@ -538,7 +577,7 @@ def step_sample(f: Flights, i: int, k: int, demand: float, engage: float, releas
 
 @inlined
 def filtered_demand(f: Flights, i: int, demand: float) -> float:
-    """Return the demand [rad] of the law of flight i behind its filters, and store it.
+    """Return the demand [rad] of the law of flight i, times the case's gain, behind the filters.
 
     The demand before the filters becomes the last of the sensed values, on which the filters act.
     """
@@ -551,20 +590,26 @@ def filtered_demand(f: Flights, i: int, demand: float) -> float:
 
 @inlined
 def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
-    """Move flight i by sample k, with the demand [rad], limited, as its command."""
+    """Move flight i by sample k, with the demand [rad], limited, as its command.
+
+    The command acts from sample k + late on; for a fractional delay within that sample, whose first
+    interval (1) still has the command before, its second (0) this one. States of the law and its
+    filters are updated, and peaks of deflection and rate are kept.
+    """
     p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
     command = min(max(demand, -limit), limit)
     if abs(command) >= limit:
-        f.now.peaks[i, 5] += 1.0
+        f.now.peaks[i, 5] += 1.0  # number of samples at the limit
     begin = f.cases.start[i] + f.steps.lengths[p, 0] * k
     end = f.cases.start[i] + f.steps.lengths[p, 0] * (k + 1)
+    # number of intervals of a sample; length of the buffer of commands; sample of the command
     intervals, ring, since = f.steps.joint.shape[1], f.now.commands.shape[1], k - f.steps.late[p]
     if ring > 1:  # delayed commands, in a ring buffer
         f.now.commands[i, k % ring] = command
     for interval in range(intervals - 1, -1, -1):
-        now = f.now.commands[i, (since - interval) % ring] if ring > 1 else command
+        delayed = f.now.commands[i, (since - interval) % ring] if ring > 1 else command
         stop = begin + f.steps.lengths[p, 2] if interval > 0 else end
-        move_interval(f, i, interval, k, now, begin, stop)
+        move_interval(f, i, interval, k, delayed, begin, stop)
         if interval > 0:
             expand_wind(f, i, stop)
         begin = stop
@@ -577,7 +622,10 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
 
 @inlined
 def update_law_states(f: Flights, i: int) -> None:
-    """Update the states of the law of flight i and of its filters from sensed values and demand."""
+    """Update the states of the law of flight i and of its filters from sensed values and demand.
+
+    Each next state is a row of the law's memory times present states and sensed values.
+    """
     s = f.now.states.shape[1]
     for r in range(s):
         f.now.next[i, r] = row_product(f, i, f.laws.memory[f.cases.memory[i], r])

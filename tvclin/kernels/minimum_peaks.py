@@ -70,8 +70,8 @@ def minimum_peaks(
         States beyond attitude and rate that trim has led to at the ends of steps,
         ``(n, S + 1, m - 2)``.
     heights : ndarray
-        Limits [rad] at the ends of steps, ``(n, S + 1)``. Backwards up to the first below its
-        minimum peak, peaks are written where there is one that is not NaN.
+        Limits [rad] at the ends of steps, ``(n, S + 1)``, NaN where there is none. From the last on
+        backwards peaks are written where there is one, down to the first limit below its peak.
     peaks : ndarray
         Written: minimum peaks [rad], ``(n, S + 1)``; always at the begin of the first step.
     first, last : int
@@ -91,7 +91,7 @@ def minimum_peaks(
                 h, wind = steps.lengths[case, s], steps.wind[case, s]
                 for k in range(modes):
                     costate_step(matrix, wind, h, costate[k], 0, state, rates)
-                    weights[k, s] = costate[k, 0, m]
+                    weights[k, s] = costate[k, 0, m]  # integral of h over the step
                     costate[k, 1] = costate[k, 0]
                     costate[k, 1, m] = 0.0
             if s == 0 or (count - s) % _STEPS_PER_ORTHOGONALISATION == 0:
@@ -106,12 +106,13 @@ def minimum_peaks(
 def _initialise_costates(
     costates: Any, reaches: Any, cells: Any, costate: Any, weights: Any
 ) -> None:
-    """Write costates and weights of k modes at the end of the wind, where the march begins.
+    """Write costates and weights of k modes at the end of the wind, where the integration begins.
 
     `costates`: p at the end, ``(k, m)``. `reaches`: integrals of p.b after it, of two real modes,
-    ``(2,)``. `cells`: such integrals over cells, ``(k, cells)``. `costate`: written: p and zero
-    integrals, ``(k, 2, m + 2)``, in the second row. `weights`: written: effect of the deflection
-    after the end on each mode, the last columns of ``(k, size)``.
+    ``(2,)``. `cells`: such integrals over cells of constant deflection, ``(k, cells)``. `costate`:
+    written: p, and its integrals with control and wind, zero, in the second row of ``(k, 2, m +
+    2)``. `weights`: written: effect of the deflection after the end on each mode, the last columns
+    of ``(k, size)``.
     """
     modes, m = costates.shape
     size, count = weights.shape[1], cells.shape[1]
@@ -122,15 +123,16 @@ def _initialise_costates(
         for j in range(count):
             weights[k, size - 2 - count + j] = cells[k, j]
         for j in range(2):
-            weights[k, size - 2 + j] = reaches[j] if j == k else 0.0
+            weights[k, size - 2 + j] = reaches[j] if j == k else 0.0  # each acts on its own mode
 
 
 @bare
 def _unstable_components(costate: Any, path: Any, d: Any) -> None:
-    """Write d ``(k,)``, the unstable components at the end without a deflection from here on.
+    """Write d ``(k,)``, the unstable components at the end of the wind without further deflection.
 
-    `costate`: p and wind integral of each mode, second row of ``(k, 2, m + 2)``. `path`: states
-    beyond attitude and rate, ``(m - 2,)``; those two are zero.
+    d = p.x + the integral of p.w alpha_w from now on. `costate`: p, the integral of p.b and this
+    one, of each mode in the second row of ``(k, 2, m + 2)``. `path`: states x beyond attitude and
+    rate, ``(m - 2,)``; those two are zero.
     """
     for k in range(costate.shape[0]):
         d[k] = costate[k, 1, path.size + 3]
@@ -140,10 +142,11 @@ def _unstable_components(costate: Any, path: Any, d: Any) -> None:
 
 @bare
 def _orthogonalise(costate: Any, weights: Any, s: int) -> None:
-    """Make costates orthonormal in place, with their integrals and the weights from step s on.
+    """Make costates orthonormal in place, and combine their integrals and weights likewise.
 
-    `costate`: p, and integrals of wind and control, second row of ``(k, 2, m + 2)``. `weights`:
-    effect of the deflection of each step on each mode, ``(k, size)``.
+    `costate`: p, and integrals of control and wind, of each mode in the second row of ``(k, 2, m +
+    2)``. `weights`: effect of the deflection of each step on each mode, ``(k, size)``, from step s
+    on.
     """
     modes, m = costate.shape[0], costate.shape[2] - 2
     for k in range(modes):
@@ -163,8 +166,9 @@ def _orthogonalise(costate: Any, weights: Any, s: int) -> None:
 
 @bare
 def _dual_value(weights: Any, s: int, d: Any, poles: Any, sums: Any) -> float:
-    """Return the minimum peak [rad], the largest ``|lambda.d|/J(lambda)``, from step s on.
+    """Return the minimum peak [rad] from step s on, the largest ``|lambda.d|/J(lambda)``.
 
+    J is the sum over steps of ``|lambda.weights|``, and lambda a multiplier for each mode.
     `weights`: effect of the deflection of each step on each of k modes, ``(k, size)``. `d`:
     unstable components to be brought to zero, ``(k,)``. `poles`: of two real modes [1/s], ``(2,)``.
     `sums`: work array ``(3, size)``: with lambda.d = 1, J is the sum of ``|a + u b + v c|``, its
@@ -185,18 +189,20 @@ def _dual_value(weights: Any, s: int, d: Any, poles: Any, sums: Any) -> float:
             for i in range(s, cells):
                 sums[row, i] = weights[k, i] - d[k] * sums[0, i]
     if modes == 1:
-        return 1.0 / _derivatives(sums, s, 1.0, 0.0, 0.0, poles)[0]
+        return 1.0 / _derivatives(sums, s, 1.0, 0.0, 0.0, poles)[0]  # J, linear in its factor
     if modes == 2:
-        return 1.0 / _minimum(sums, s, 1.0, 0.0, poles)[0]
+        return 1.0 / _minimum(sums, s, 1.0, 0.0, poles)[0]  # without v c
     return 1.0 / _minimum_of_three_modes(sums, s, poles)
 
 
 @bare
 def _minimum_of_three_modes(sums: Any, s: int, poles: Any) -> float:
-    """Return the minimum over u and v of J, the sum of ``|a + u b + v c|``.
+    """Return the minimum over u and v of J, the sum of ``|a + u b + v c|``, by cutting planes.
 
     `sums`: a, b and c, ``(3, size)``, counted from step s on. `poles`: of two real modes [1/s],
-    ``(2,)``, whose integrals after the wind are the last two numbers.
+    ``(2,)``, whose integrals after the wind are the last two numbers. The minimum over u is a
+    convex function of v, nowhere below its tangents, whose heights at zero are here a_... and
+    slopes c_...; the first two touch it at large v, and where two cross the next is taken.
     """
     minimum, a_high, c_high = _minimum(sums, s, 0.0, 1.0, poles)
     a_low, c_low = -a_high, -c_high
@@ -219,8 +225,9 @@ def _minimum(sums: Any, s: int, t: float, v: float, poles: Any) -> tuple[float, 
     """Return the minimum over u of J, the sum of ``|t a + u b + v c|``, and its slopes by t and v.
 
     `sums`: a, b and c, ``(3, size)``, counted from step s on. `poles`: of two real modes [1/s],
-    ``(2,)``. J is nowhere below a tangent, t J_t + u J_u + v J_v; the first two tangents are those
-    of large u.
+    ``(2,)``, as in `_derivatives`. J is convex, and nowhere below a tangent t J_t + u J_u + v J_v,
+    whose slopes are here a_..., b_... and c_...; the first two touch J at large u of either sign,
+    and the next is taken where two cross.
     """
     a_high, b_high, c_high = _derivatives(sums, s, 0.0, 1.0, 0.0, poles)
     a_low, b_low, c_low = -a_high, -b_high, -c_high
@@ -252,9 +259,10 @@ def _derivatives(
 ) -> tuple[float, float, float]:
     """Return the derivatives by t, u and v of J, the sum of ``|t a + u b + v c|``.
 
-    `sums`: a, b and c, ``(3, size)``, counted from step s on. The last two numbers of each are
-    integrals of two modes after the end, with `poles` [1/s], ``(2,)``: their sum changes its sign
-    once there at most.
+    J itself is t, u and v times them. `sums`: a, b and c, ``(3, size)``, counted from step s on.
+    The last two numbers of each are integrals of e^(-pole r) over all time r after the end, of two
+    modes with `poles` [1/s], ``(2,)``: their sum changes its sign once there at most, at the time
+    `turns`.
     """
     a, b, c = 0.0, 0.0, 0.0
     cells = sums.shape[1] - 2

@@ -49,10 +49,10 @@ def largest_remaining_integrals(
 ) -> None:
     """Write p times the remaining integral of winds of unit peak, at its onset and maximum.
 
-    To ``out (n, 3)``: at the onset, the maximum, and its time [s]. `winds`: knots ``(w, k)``,
-    coefficients and rates of the winds. `which`: index of the wind of each case, ``(n,)``. `poles`:
-    p [1/s], ``(n,)``. Cases from `first` up to `last` are computed. It rises as long as it is above
-    the wind, W' = p (W - f): its maximum is at a knot, or where a rising wind reaches it.
+    W(t) = p times the integral of e^(-p (r - t)) f(r) dr over the wind f from t on. To ``out (n,
+    3)``: W at the onset, the maximum, and its time [s]. `winds`: knots ``(w, k)``, coefficients and
+    rates of the winds. `which`: index of the wind of each case, ``(n,)``. `poles`: p [1/s],
+    ``(n,)``. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
@@ -60,6 +60,7 @@ def largest_remaining_integrals(
     for case in range(first, last):
         i = which[case]
         wind = Wind(knots[i], coefficients[i], rates[i], marched, work)
+        # p, K = 1, and no filter: the wind itself is trim, and W its demand
         law = ExitLaw(poles[case], 1.0, 0.0, 0.0, 0.0, WIND_DRIVES)
         integrate_wind(wind, law)
         largest, time = _largest_demand(wind, law, ends)
@@ -71,14 +72,14 @@ def largest_remaining_integrals(
 def onset_integrals(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:
     """Write the discounted remaining integrals of winds at their onset to ``out (n, m)``.
 
-    They are of e^(-p r) f(t + r) dr over the wind f. `winds`: knots, coefficients and rates.
-    `which`: index of the wind of each case, ``(n,)``. `poles`: p [1/s], which may be complex, ``(n,
-    m)``. Cases from `first` up to `last` are computed.
+    The integrand is e^(-p r) f(t + r) dr, over the wind f from its onset t on. `winds`: knots,
+    coefficients and rates. `which`: index of the wind of each case, ``(n,)``. `poles`: p [1/s],
+    which may be complex, ``(n, m)``. Cases from `first` up to `last` are computed.
     """
     knots, c, rates = winds
     for case in range(first, last):
         i = which[case]
-        wind = Wind(knots[i], c[i], rates[i], knots, knots)
+        wind = Wind(knots[i], c[i], rates[i], knots, knots)  # the last two are not used
         for k in range(poles.shape[1]):
             out[case, k] = remaining_integral(wind, onset_piece(wind), 0.0, poles[case, k])
 
@@ -89,11 +90,12 @@ def demands_at_heights(
 ) -> None:
     """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
 
-    `winds`, `which`: knots, coefficients and rates of winds, and the index of each case's,
-    ``(n,)``. `numbers`: b1, b2 and q of each case, ``(n, 3)``. `poles`: of the modes [1/s], which
-    may be complex, ``(n, m)``. `heights`: over B times the wind's peak, positive, ``(n,)``. `out`:
-    demands, ``(n, m)``; where trim stays below the height during the wind, at its end. Cases from
-    `first` up to `last` are computed.
+    A demand is the mean of the remaining trim in a mode: p times its integral with e^(-p r) over
+    the time r from then on. `winds`, `which`: knots, coefficients and rates of winds, and the index
+    of each case's, ``(n,)``. `numbers`: b1, b2 and q of each case, of the filter of trim, ``(n,
+    3)``. `poles`: of the modes [1/s], which may be complex, ``(n, m)``. `heights`: over B times the
+    wind's peak, positive, ``(n,)``. `out`: demands, ``(n, m)``; where trim stays below the height
+    during the wind, at its end. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
@@ -102,7 +104,7 @@ def demands_at_heights(
         j = which[case]
         b1, b2, q = numbers[case, 0], numbers[case, 1], numbers[case, 2]
         wind = Wind(knots[j], coefficients[j], rates[j], marched, work)
-        law = ExitLaw(1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)
+        law = ExitLaw(1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)  # p and K are not used
         integrate_filter(wind, law)
         i, u = _height_time(wind, law, heights[case], ends)
         x, y = filter_state(wind, law, i, u)
@@ -115,7 +117,9 @@ def demands_at_heights(
 def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
     """Return the largest demand of a wind trimmed at once, over -B, and its time [s].
 
-    `law`: the unstable pole, and a filter without effect. `ends`: work array.
+    The demand W is the discounted mean of the remaining wind, and W' = p (W - f): it rises while it
+    is above the wind f, so that its maximum is at a knot, or where a rising wind reaches it. `law`:
+    the pole p, and a filter without effect. `ends`: work array of `monotone_intervals`.
     """
     knots = wind.knots
     largest, time = -np.inf, 0.0
@@ -138,10 +142,10 @@ def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
 
 @bare
 def _height_time(wind: Wind, law: ExitLaw, height: float, ends: Any) -> tuple[int, float]:
-    """Return the piece and the local time [s] at which the driver's size first reaches a height.
+    """Return piece and local time [s] at which trim first reaches a height with either sign.
 
-    The end of the wind where it never does. `law`: the driver. `height`: over the peak of the wind.
-    `ends`: work array of `monotone_intervals`.
+    The end of the wind where it never does. `law`: the filter of trim, which is the driver of the
+    monotone intervals. `height`: over B and the peak of the wind. `ends`: work array.
     """
     knots = wind.knots
     for i in range(knots.size - 1):

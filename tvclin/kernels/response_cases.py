@@ -56,7 +56,8 @@ class Case(NamedTuple):
 def merge_knots(first: Any, second: Any, knots: Any) -> Any:
     """Write the knots [s] of both inputs without repetition, then infinity; return their number.
 
-    `first`, `second`: ascending knots of each. `knots`: written.
+    `first`, `second`: ascending knots of each. `knots`: written, with one element more than
+    counted.
     """
     i, j, count = 0, 0, 0
     while i < first.size or j < second.size:
@@ -75,7 +76,7 @@ def merge_knots(first: Any, second: Any, knots: Any) -> Any:
 def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
     """Append the rates that are not among the first `used` of `rates`; return their new number.
 
-    `new_rates`: rates of an input [1/s]. `rates`: changed.
+    `new_rates`: rates of an input's terms u^k e^(rate u) [1/s]. `rates`: changed.
     """
     for q in range(new_rates.size):
         if rate_index(new_rates[q], rates, used) == used:
@@ -86,7 +87,7 @@ def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
 
 @kernel
 def rate_index(rate: Any, rates: Any, used: Any) -> Any:
-    """Return the index of a rate among the first `used`; `used` where it is missing."""
+    """Return the index of a rate [1/s] among the first `used` of `rates`; `used` where missing."""
     at = 0
     while at < used and rates[at] != rate:
         at += 1
@@ -97,8 +98,10 @@ def rate_index(rate: Any, rates: Any, used: Any) -> Any:
 def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any) -> None:
     """Write an input on the common knots of a case, to `forces` ``(K, Q, m)``.
 
-    `forces`: coefficients of the terms u^k e^(rate u) by knot and rate of the case. `knots`,
-    `coefficients`, `rates`: the input's own, ``(n,)`` [s], ``(n, r, m)`` and ``(r,)`` [1/s].
+    `case`: its K + 1 knots and Q rates. `forces`: coefficients of the terms u^k e^(rate u) from
+    each knot on, u being the time since it. `knots`, `coefficients`, `rates`: the input's own,
+    ``(n,)`` [s], ``(n, r, m)`` and ``(r,)`` [1/s], which the case has too; before its knots it is
+    zero.
     """
     piece = -1
     for i in range(case.knots.size - 1):
@@ -120,11 +123,11 @@ def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any
 
 @kernel
 def recentre(terms: Any, rate: Any, u: Any) -> None:
-    """Replace the terms of c(v) e^(rate v) by those about v = u [s], in place.
+    """Replace the terms of c(v) e^(rate v) by those in the time since v = u [s], in place.
 
     `terms`: coefficients of c, lowest power first, ``(m,)``.
     """
-    count = significant_terms(terms, np.inf)
+    count = significant_terms(terms, np.inf)  # up to the last that is not zero
     for low in range(count):
         for k in range(count - 2, low - 1, -1):
             terms[k] += u * terms[k + 1]
@@ -136,7 +139,11 @@ def recentre(terms: Any, rate: Any, u: Any) -> None:
 
 @kernel
 def count_terms(case: Case) -> None:
-    """Write the number of significant terms of both inputs in each span of a case."""
+    """Write to `case.lengths` how many powers of both inputs are significant, by span and rate.
+
+    A span lies between two knots of the case; a power is neglected if it is nowhere in the span
+    large enough to count.
+    """
     for i in range(case.knots.size - 1):
         width = case.knots[i + 1] - case.knots[i]
         for q in range(case.rates.size):
@@ -150,7 +157,8 @@ def count_terms(case: Case) -> None:
 def significant_terms(terms: Any, width: Any) -> Any:
     """Return the number of significant terms c_k u^k, each being largest at u = width [s].
 
-    `terms`: c, lowest power first; all nonzero ones count at an infinite width.
+    The last term that counts is above `NEGLIGIBLE_TERM` times the largest before. `terms`: c,
+    lowest power first; at an infinite width all nonzero ones count.
     """
     power, largest, count = 1.0, 0.0, 0
     for k in range(terms.size):
@@ -248,7 +256,9 @@ def respond(
     `winds`: knots ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``. `which`: indices
     of plant, deflection and wind of each case, ``(3, cases)``. `out`, `close`: written: ``(cases,
     R, n)``, and whether two poles are too close for distinct modes, ``(cases,)``; such a case is
-    skipped. `memory`: arrays of `workspace`, not shared with another thread.
+    skipped. `memory`: arrays of `workspace`, not shared with another thread. An unstable mode is
+    the bounded solution, computed backwards, and its residue times the exponential, which is zero
+    below its rounding.
     """
     arrays, span = memory
     for number in range(first, last):
@@ -286,8 +296,9 @@ def respond(
 def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> None:
     """Write the outputs of a case at ascending times ``(n,)`` [s] to `out` ``(R, n)``, by spans.
 
-    `plant`: its poles, gains and outputs. `case`: both inputs. `span`: work arrays, with the
-    residues and the bounded solutions of unstable modes.
+    A span lies between two knots. `plant`: its poles, gains and outputs. `case`: both inputs.
+    `span`: work arrays, with the residues and the bounded solutions of unstable modes, which are
+    computed backwards. Outputs are zero before the first knot.
     """
     first = np.searchsorted(times, case.knots[0])
     for r in range(out.shape[0]):
@@ -323,8 +334,9 @@ def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> No
 def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out: Any) -> None:
     """Write the outputs ``(R, n)`` at n times of span i: real parts, where 0 times inf is 0.
 
-    `plant`, `case`: poles and outputs, and knots and rates of the inputs. `span`: the modes'
-    exponentials, and the outputs' polynomials for each rate.
+    `times`: [s], between two knots. `plant`, `case`: poles and outputs, and knots and rates of the
+    inputs. `span`: coefficients of the modes' exponentials, and of the outputs' polynomials for
+    each rate.
     """
     width, since = case.knots[i + 1] - case.knots[i], case.knots[i] - case.knots[0]
     for j in range(times.size):
@@ -337,7 +349,7 @@ def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out:
         for m in range(plant.poles.size):
             real, imaginary = amplitude(plant.poles[m], m, u, width, since, span)
             for r in range(out.shape[0]):
-                share = plant.outputs[m, r]
+                share = plant.outputs[m, r]  # of the mode in the output
                 if real != 0.0 and share.real != 0.0:
                     out[r, j] += share.real * real
                 if imaginary != 0.0 and share.imag != 0.0:
@@ -348,7 +360,8 @@ def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out:
 def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
     """Add the real parts of polynomials ``(R, L)`` times e^(rate u) to the outputs ``(R,)``.
 
-    `u`: local time [s]. `shares`: coefficients, lowest power first.
+    `u`: local time [s]. `rate`: [1/s], which may be complex. `shares`: coefficients of the
+    polynomials, lowest power first.
     """
     real, imaginary = exponential(rate, u)
     for r in range(out.size):
@@ -364,9 +377,10 @@ def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
 def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Span) -> Any:
     """Return real and imaginary part of a mode's free exponential at the local time u [s].
 
-    lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): the terms from the left end,
-    from the right end, and from the first knot. `pole`, `mode`: p [1/s] and its index. `width`: of
-    the span [s]. `since`: from the first knot to the span [s]. `span`: coefficients.
+    It is lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): known from the left end
+    of the span, from its right end, and from the first knot, the last being an unstable mode's
+    residue. `pole`, `mode`: p [1/s] and its index. `width`: of the span [s]. `since`: from the
+    first knot to the span [s]. `span`: coefficients.
     """
     real, imaginary = 0.0, 0.0
     for term in range(3):
@@ -395,9 +409,11 @@ def exponential(exponent: Any, u: Any) -> Any:
 def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, span: Span) -> Any:
     """Write a particular solution of a mode in span i; return its values at both ends.
 
-    Of z' = p z + g f, to `span.solution`, as a polynomial for each rate. `pole`, `gain`: p [1/s],
-    and g of both inputs. `case`: f. `width`: length of the span [s], or of its beginning that
-    matters; at infinite width the solution is constant from 0 on.
+    Of z' = p z + g f, to `span.solution`, as a polynomial a for each rate r: a' + (r - p) a = g c
+    with the input's polynomial c. `pole`, `gain`: p [1/s], and g of both inputs. `case`: f.
+    `width`: length of the span [s], or of its beginning that matters; at infinite width the
+    solution is constant from 0 on. Where r - p is so small that the finite solution cancels, it is
+    the series from a = 0 on.
     """
     start, stop = 0.0 * pole, 0.0 * pole
     for q in range(case.rates.size):
@@ -407,7 +423,7 @@ def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, sp
         span.sizes[q] = count
         if count == 0:
             continue
-        # (k + 1) a_(k+1) + gap a_k = c_k, from above
+        # (k + 1) a_(k+1) + gap a_k = g c_k, from the highest power on
         coefficient, input_bound = 0.0 * pole, 0.0
         for k in range(count - 1, -1, -1):
             forcing = gain[0] * first[k] + gain[1] * second[k]
@@ -418,7 +434,7 @@ def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, sp
             start += coefficient
             continue
         if not abs(coefficient) <= MAX_CANCELLATION * input_bound * width:
-            # the same from below, beginning with nothing
+            # the same from the lowest power on, with a_0 = 0
             terms[0], k, term = 0.0, 0, 1.0
             while k < count or (term > NEGLIGIBLE_TERM and k + 1 < terms.size):
                 forcing = gain[0] * first[k] + gain[1] * second[k] if k < count else 0.0 * pole
@@ -440,8 +456,8 @@ def bounded_solution(pole: Any, gain: Any, case: Case, mode: Any, span: Span) ->
     """Write the bounded solution of an unstable mode at each knot; return whether there is one.
 
     To `span.bounded`. `pole`, `gain`: of z' = p z + g f. `case`: both inputs f. `mode`: its index.
-    After the last knot a bounded z is the particular solution a; before it, from the right, z(0) =
-    a(0) + e^(-p width) [z(width) - a(width)].
+    After the last knot the bounded z is the particular solution a, if no rate of the input grows as
+    fast as p; before it, from the right, z(0) = a(0) + e^(-p width) [z(width) - a(width)].
     """
     last = case.knots.size - 2
     for q in range(case.rates.size):
@@ -461,10 +477,11 @@ def bounded_solution(pole: Any, gain: Any, case: Case, mode: Any, span: Span) ->
 def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: Any) -> Any:
     """Return the sum of the sizes of all terms of the residue of one input, within a quarter.
 
-    `pole`, `gain`: of z' = p z + g f. `start`: time from which the residue counts [s]. `histories`:
-    knots, coefficients and rates of inputs, of which `number` is f. The integral of u^k e^(-g u) up
-    to the width is approximated by the inverse sum of the inverses of the integrals of u^k,
-    width^(k+1)/(k+1), and of u^k e^(-g u) without end, k!/g^(k+1).
+    The residue is g times the integral of e^(-p t) f. `pole`, `gain`: of the mode z' = p z + g f.
+    `start`: time from which t counts [s]. `histories`: knots, coefficients and rates of inputs, of
+    which `number` is f. The integral of u^k e^(-gap u) up to a width, with gap = p - rate, is
+    approximated by 1/(1/a + 1/b): a = width^(k+1)/(k+1) is that without decay, b = k!/gap^(k+1)
+    that without end.
     """
     knots, coefficients, rates = histories[0][number], histories[1][number], histories[2][number]
     total = 0.0
@@ -486,9 +503,10 @@ def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: 
 
 @kernel
 def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
-    """Return the number of roundings in the residue at a pole [1/s] of two histories.
+    """Return the bound on the roundings in the residue of two inputs, in units of one rounding.
 
-    `first`, `second`: knots of both [s].
+    `pole`: [1/s]; an exponential is as inaccurate as its exponent is large. `first`, `second`:
+    knots of both [s].
     """
     start, total = min(first[0], second[0]), ROUNDINGS
     for knots in (first, second):
@@ -501,8 +519,9 @@ def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
 def has_close_poles(poles: Any, horizon: Any) -> Any:
     """Return whether two poles are too close for distinct modes within a time.
 
-    `poles`: of a plant [1/s], ``(N,)``. `horizon`: the time [s]. A fast unstable plant keeps its
-    modes all the same: a chain of lags is integrated forward.
+    `poles`: of a plant [1/s], ``(N,)``. `horizon`: the time [s]. A plant with a fast unstable pole
+    keeps its modes all the same, unless two are equal: the alternative, a chain of lags, is
+    integrated forward and would lose its digits.
     """
     gap, size, fastest = np.inf, 0.0, -np.inf
     for i in range(poles.size):
@@ -518,7 +537,7 @@ def add_share(outputs: Any, used: Any, span: Span) -> None:
     """Add a mode's particular solution to the outputs that contain it.
 
     `outputs`: coefficient of the mode in each output, ``(R,)``. `used`: number of rates. `span`:
-    solution, and the outputs' sums of them.
+    the solution, a polynomial for each rate, and the outputs' sums of such polynomials, `shares`.
     """
     for q in range(used):
         lengthen(q, span.sizes[q], span)
@@ -529,7 +548,10 @@ def add_share(outputs: Any, used: Any, span: Span) -> None:
 
 @kernel
 def subtract_wind(case: Case, i: Any, span: Span) -> None:
-    """Subtract the wind in span i of a case from the last output."""
+    """Subtract the wind in span i of a case, its second input, from the last output, in place.
+
+    The output is `span.shares`, a polynomial for each rate.
+    """
     last = span.shares.shape[0] - 1
     for q in range(case.rates.size):
         lengthen(q, case.lengths[i, q], span)
@@ -541,7 +563,7 @@ def subtract_wind(case: Case, i: Any, span: Span) -> None:
 def lengthen(q: Any, length: Any, span: Span) -> None:
     """Pad the polynomials of all outputs at the q-th rate with zeros, to at least `length` terms.
 
-    `span`: a `Span`, whose `shares` are the coefficients and `lengths` their number by rate.
+    `span`: its `shares` are their coefficients, and `lengths` the number of terms by rate.
     """
     for r in range(span.shares.shape[0]):
         for k in range(span.lengths[q], length):

@@ -57,7 +57,7 @@ def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
 def _divide(work: Any, degree: int, first: float, second: float) -> None:
     """Divide a polynomial in place by s + first, or s^2 + first s + second if `second` is not zero.
 
-    `work`: coefficients, highest power first, of which the quotient's, up to `degree`, are
+    `work`: coefficients, highest power first, of which the quotient's, up to number `degree`, are
     computed.
     """
     for k in range(1, degree + 1):
@@ -68,9 +68,9 @@ def _divide(work: Any, degree: int, first: float, second: float) -> None:
 
 @bare
 def _laguerre_root(work: Any, degree: int) -> complex:
-    """Return a root by Laguerre's iteration; real where rounding cannot distinguish it.
+    """Return a root by Laguerre's iteration from zero; real where rounding cannot distinguish it.
 
-    `work`: coefficients, highest power first, up to number `degree`.
+    `work`: coefficients, highest power first, up to number `degree`, the degree of the polynomial.
     """
     root = complex(0.0, 0.0)
     if work[degree] == 0.0:
@@ -83,7 +83,7 @@ def _laguerre_root(work: Any, degree: int) -> complex:
             half_curvature = half_curvature * root + slope
             slope = slope * root + value
             value = value * root + work[k]
-            error = error * size + abs(value)
+            error = error * size + abs(value)  # bound of the roundings, in units of one
         if abs(value) <= 0.25 * _LAST_RELATIVE_STEP * error:
             break
         first = slope / value
@@ -109,7 +109,7 @@ def _laguerre_root(work: Any, degree: int) -> complex:
 
 @bare
 def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
-    """Return a root after a Newton step, if it is isolated and the residual decreases.
+    """Return a root after a Newton step, or as it is if it is clustered or the residual grows.
 
     `polynomials`: ``(n, degree + 1)``, highest power first. `out`: roots ``(n, degree)``, of which
     number k of polynomial number `case` is taken.

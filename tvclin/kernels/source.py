@@ -36,16 +36,17 @@ def kernel(function: F) -> F:
 
 
 def bare(function: F) -> F:
-    """Mark a kernel that allocates no array, without reference counts of its arguments.
+    """Mark a kernel that allocates no array, and return it unchanged.
 
-    The counts take half the time where arrays are passed to many small functions.
+    It is compiled without reference counts of its arguments, which take half the time where arrays
+    are passed to many small functions.
     """
     _marked[function] = {"_nrt": False}
     return function
 
 
 def inlined(function: F) -> F:
-    """Mark a bare kernel to be compiled into its callers.
+    """Mark a kernel that allocates no array to be compiled into its callers; return it unchanged.
 
     It serves functions that are called in an inner loop with many arrays, whose passing takes
     longer than the function.
@@ -76,7 +77,10 @@ def machine_code(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @cache
 def _register(function: Callable[..., Any]) -> None:
-    """Register a kernel with numba as a function that machine code of other kernels can call."""
+    """Register a kernel with numba as a function that machine code of other kernels can call.
+
+    It has the kernel's options, and no entry for Python.
+    """
     from numba.extending import register_jitable
 
     register_jitable(**_OPTIONS, **_INNER_OPTIONS, **_marked[function])(function)
@@ -99,13 +103,16 @@ def _called(function: Any) -> list[Any]:
 
 @cache
 def digest(function: Any) -> str:
-    """Return a hash of the source of a function, its constants, and all that it calls."""
+    """Return a hash of a function and all kernels that it calls: code, names and constants.
+
+    Docstrings are constants.
+    """
     functions = _reached(function)
-    codes = [each.__code__ for each in functions]
+    codes = [function.__code__ for function in functions]
     sources = [(code.co_code, code.co_consts, code.co_names) for code in codes]
-    return sha256(repr((sources, [_constants(each) for each in functions])).encode()).hexdigest()[
-        :12
-    ]
+    return sha256(
+        repr((sources, [_constants(function) for function in functions])).encode()
+    ).hexdigest()[:12]
 
 
 def _constants(function: Any) -> list[tuple[str, str]]:

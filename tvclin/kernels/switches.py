@@ -49,10 +49,12 @@ def switches(
 ) -> None:
     """Write time [s], demand and status of the exit of the dead band, of each case.
 
-    `winds`: knots, coefficients and rates of winds over their peaks, with one axis for the batch.
-    `which`: index of the wind of each case, ``(n,)``. `numbers`: p, K, b1, b2 and q of each case,
-    ``(n, 5)``. `literal`: whether the driver is trim itself. `out`: time, demand and status, ``(3,
-    n)``. Cases from `first` up to `last` are computed.
+    The exit is where the driver, the wind or its trim, is as large as K times the demand, the
+    constant deflection that then suffices. `winds`: knots, coefficients and rates of winds over
+    their peaks, with one axis for the batch. `which`: index of the wind of each case, ``(n,)``.
+    `numbers`: p, K, b1, b2 and q of each case, ``(n, 5)``: unstable pole, dead band, filter of
+    trim. `literal`: whether the driver is trim itself. `out`: time, demand over -B, and status
+    SOLVED, JUMP or UNREACHED, ``(3, n)``. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(MAX_INTERVALS)
@@ -73,7 +75,8 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
 
     Infinite where trim grows without bound after the wind. `winds`, `which`, `numbers`: knots,
     coefficients and rates of winds, the index of each case's, ``(n,)``, and p, K, b1, b2 and q of
-    each case, ``(n, 5)``. Cases from `first` up to `last` are computed.
+    each case, ``(n, 5)``: unstable pole, dead band, and the filter of trim. Cases from `first` up
+    to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
@@ -91,16 +94,17 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
 def _solve(wind: Wind, law: ExitLaw, marks: Any, ends: Any) -> tuple[float, float, int]:
     """Return time [s], demand and status of the exit of the dead band of one wind.
 
-    It lies between the last height of the driver (wind or trim over -B) below K times the demand,
-    the constant deflection that then satisfies (4b), and the first one after it that is not. `law`:
-    p, K and the filter of trim. `marks`, `ends`: work arrays.
+    A height is a new maximum of the driver (wind or trim over -B), a demand the constant deflection
+    that satisfies (4b) of the report from then on. The exit lies between the last height below K
+    times the demand, and the first one after it that is not; their status is UNREACHED if there is
+    none. `law`: p, K, the filter of trim and the driver. `marks`, `ends`: work arrays.
     """
     knots = wind.knots
     K = law.K
     if K == 0.0:
         i = onset_piece(wind)
         return knots[i], demand(wind, law, i, 0.0), SOLVED
-    # The last height below the demand, and the first one after it that is not.
+    # low: the last height below K times the demand; high: the first one after it that is not
     insufficient, sufficient = False, False
     low, high = (0, 0.0, 0.0, 0.0), (0, 0.0, 0.0)
     highest = 0.0
@@ -125,7 +129,8 @@ def _exit(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[float, float, 
 
     Heights are new maxima of the driver (wind or trim over -B). `low`: piece, local time, height
     and margin of the last one below K times the demand; a negative height if there is none. `high`:
-    piece, local time and margin of the next. `law`: p, K and the filter of trim of a wind.
+    piece, local time and margin of the next. `law`: p, K and the filter of trim of a wind. The
+    status is JUMP where the driver falls below the lower height there, else SOLVED.
     """
     i, u, _ = high
     status = SOLVED
@@ -143,8 +148,9 @@ def _new_heights(
     """Write new maxima of the driver in a monotone interval to `marks`; return their number.
 
     The driver is the wind or its trim (`law`), over -B. `marks`: written: local time [s], height,
-    and its margin over K times the demand, ``(4, 3)``. `highest`: largest height so far. `i`, `a`,
-    `b`: segment of the wind, and both ends of the interval [s].
+    and margin, the height less K times the demand then, ``(4, 3)``. `highest`: largest height so
+    far. `i`: segment of the wind. `a`, `b`: ends of the interval, local times [s]. Noted are the
+    ends, and between them a time at which the margin may be negative.
     """
     start, _, _ = driver(wind, law, i, a)
     stop, _, _ = driver(wind, law, i, b)
@@ -165,8 +171,8 @@ def _new_heights(
             count += 1
     if stop < start or b == a:
         return count
-    # e' = p e + h: if e is positive at b, it was negative between only if it was so at a, or where
-    # h changes from - to +, which is checked.
+    # The margin e has e' = p e + h, h being EXCESS_FORCING: if e is positive at b, it was negative
+    # between only if it was so at a, or where h changes from - to +, which is noted.
     margin = stop - K * demand(wind, law, i, b)
     if margin >= -RELATIVE_ROUNDING * stop:
         falling = evaluate(EXCESS_FORCING, 0.0, wind, law, i, a)[0] < 0.0
@@ -185,9 +191,10 @@ def _new_heights(
 def _crossing(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[int, float]:
     """Return the piece and the local time [s] at which the driver reaches K times the demand.
 
-    `low`, `high`: the heights of the driver between which it is: piece, local time, height and
-    margin; piece, local time and margin. The driver counts at least as the lower height. `wind`,
-    `law`: wind with its integrals, and p, K and the filter of trim.
+    The driver is the wind or its trim over -B, and counts at least as the lower height. `low`,
+    `high`: its heights before and after: piece, local time, height and margin over K times the
+    demand; piece, local time and margin. `wind`, `law`: wind with its integrals, and p, K and the
+    filter of trim.
     """
     knots, K = wind.knots, law.K
     i, u, floor, margin = low
@@ -221,7 +228,8 @@ def _driver_after(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
 def _largest_trim(wind: Wind, law: ExitLaw, ends: Any) -> float:
     """Return the largest size of trim over B, during the wind and after it.
 
-    `law`: the filter of trim, which is the driver. `ends`: work array.
+    It is at the end of an interval in which trim is monotone. `law`: the filter of trim, which is
+    the driver of these intervals. `ends`: work array.
     """
     largest = 0.0
     for i in range(wind.knots.size - 1):
@@ -235,8 +243,9 @@ def _largest_trim(wind: Wind, law: ExitLaw, ends: Any) -> float:
 def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
     """Return the largest size of trim over B after the wind; infinite where it grows without end.
 
-    `law`: the filter of trim, whose state at the end is in `wind.marched`. Without wind v = y'
-    obeys v'' + b1 v' + q v = 0, so with w^2 = q - b1^2/4 it is
+    Trim is then gain y, with the filter y'' + b1 y' + q y = 0 (`law`), whose state x, y = x' at the
+    end of the wind is the last of `wind.marched`. Its slope v = y' obeys the same equation, so with
+    w^2 = q - b1^2/4
 
             v(u) = e^(-b1 u/2) [v cos(w u) + (v' + b1 v/2) sin(w u)/w],
 
@@ -252,7 +261,7 @@ def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
     if b1 < 0.0:
         return np.inf
     slope = -b1 * y - q * x
-    cosine_term = -0.5 * b1 * slope - q * y
+    cosine_term = -0.5 * b1 * slope - q * y  # v' + b1 v/2 at the start
     square = q - 0.25 * b1 * b1
     frequency = np.sqrt(abs(square))
     u = 0.0

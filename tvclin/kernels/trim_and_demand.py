@@ -67,7 +67,8 @@ def trim_and_demand(
 ) -> None:
     """Write trim [rad], demand [rad], its slopes [rad/s] and the path under trim of each case.
 
-    The demand is the constant deflection that suffices from then on, -(p.x + F)/R.
+    The demand is the constant deflection that suffices from then on, -(p.x + F)/R with costate p of
+    the unstable mode, control reach R of a unit deflection, and integral F of the remaining wind.
 
     Parameters
     ----------
@@ -114,13 +115,14 @@ def trim_and_demand(
                 state[0, i] = 0.5 * total + h / 8.0 * (rates[0, i + 2] - rates[3, i + 2])
             trim[case, s, 1] = _trim(matrix, 1, state[0], wind[s, 1])
             for j in range(2):
-                g, pushed, r = costate[s + j, m + 1], 0.0, costate[s + j, m]
+                # g = p.x + F, p.b, and the control reach R
+                g, effect, R = costate[s + j, m + 1], 0.0, costate[s + j, m]
                 for i in range(m):
-                    pushed += costate[s + j, i] * matrix[2 * j, i, m]
+                    effect += costate[s + j, i] * matrix[2 * j, i, m]
                 for i in range(m - 2):
                     g += costate[s + j, i + 2] * path[case, s + j, i]
-                demand[case, s, 2 * j] = -g / r
-                demand_slope[case, s, j] = pushed * (-g / r - trim[case, s, 2 * j]) / r
+                demand[case, s, 2 * j] = -g / R
+                demand_slope[case, s, j] = effect * (-g / R - trim[case, s, 2 * j]) / R
             mean = 0.5 * (demand[case, s, 0] + demand[case, s, 2])
             bend = demand_slope[case, s, 0] - demand_slope[case, s, 1]
             demand[case, s, 1] = mean + h / 8.0 * bend
@@ -130,9 +132,10 @@ def trim_and_demand(
 def equations_at_ratio(steps: VaryingSteps, case: int, s: int, skipped: float, matrix: Any) -> None:
     """Write [A b w] at begin, middle and end of step s, at the dynamic pressure encountered.
 
-    `steps`: steps, equations and winds of the cases. `skipped`: fraction of the step that is
-    skipped: the matrices are then at begin, middle and end of the rest, by parabolas. `matrix`:
-    written, ``(3, m, m + 2)``.
+    They are E + (r - 1) E_1 + (1/r - 1) E_2 with r that pressure over the nominal one,
+    `steps.ratio`. `steps`: steps, E, E_1 and E_2 (`slopes`) and winds of the cases. `skipped`:
+    fraction of the step that is skipped: the matrices are then at begin, middle and end of the
+    rest, by parabolas. `matrix`: written, ``(3, m, m + 2)``.
     """
     equations, slopes, m = steps.equations, steps.slopes, matrix.shape[1]
     c, k = case if equations.shape[0] > 1 else 0, s if equations.shape[1] > 1 else 0
@@ -146,7 +149,7 @@ def equations_at_ratio(steps: VaryingSteps, case: int, s: int, skipped: float, m
                 matrix[q, i, j] = equations[c, k, q, i, j] + change
                 if skipped > 0.0:
                     matrix[q, i, j] = 0.0
-                    for p in range(3):
+                    for p in range(3):  # weights of the parabola through begin, middle and end
                         change = direct * slopes[c, k, p, 0, i, j]
                         change += inverse * slopes[c, k, p, 1, i, j]
                         weight = 4.0 * u * (1.0 - u)
@@ -161,9 +164,10 @@ def costate_step(
 ) -> None:
     """Write costate p, control reach R and wind integral F at the begin of a step, by Runge-Kutta.
 
-    The step goes backwards from row `s + 1` of `costate` to row `s`, with the scale of that row:
-    dp/dt = -p A, dR/dt = -p.b, dF/dt = -p.w alpha_w. `matrix`: columns ``[A b w]`` at begin, middle
-    and end of the step. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `state`,
+    R and F are the effects of a unit deflection and of the wind on the unstable component from then
+    on: dp/dt = -p A, dR/dt = -p.b, dF/dt = -p.w alpha_w. The step goes backwards from row `s + 1`
+    of `costate` to row `s`, with the scale of that row. `matrix`: columns ``[A b w]`` at begin,
+    middle and end of the step. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `state`,
     `rates`: work arrays.
     """
     m = matrix.shape[1]
@@ -185,7 +189,7 @@ def costate_step(
 
 @inlined
 def _normalise(costate: Any) -> None:
-    """Scale the costate p and the integrals R and F of a row ``(m + 2,)`` to ``|p| = 1``."""
+    """Scale a row ``(m + 2,)``, costate p and its integrals R and F, to ``|p| = 1`` in place."""
     size = 0.0
     for i in range(costate.size - 2):
         size += costate[i] * costate[i]
@@ -197,10 +201,10 @@ def _normalise(costate: Any) -> None:
 def _path_step(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, rates: Any) -> None:
     """Write the path states under ideal trim at the end of step s, by Runge-Kutta.
 
-    They are the states beyond attitude and rate, rows s and s + 1 of `path` ``(S + 1, m - 2)``.
-    `matrix`: columns ``[A b w]`` at begin, middle and end of the step. `wind`: alpha_w there [rad],
-    ``(3,)``. `h`: its length [s]. `state`, `rates`: work arrays; the slopes at begin and end stay
-    in `rates` 0 and 3.
+    They are the states beyond attitude and rate, which stay at rest: rows s and s + 1 of `path`
+    ``(S + 1, m - 2)``. `matrix`: columns ``[A b w]`` of x' = A x + b delta + w alpha_w at begin,
+    middle and end of the step. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `state`,
+    `rates`: work arrays; the slopes at begin and end stay in `rates` 0 and 3.
     """
     m = matrix.shape[1]
     for stage in range(4):
@@ -220,8 +224,9 @@ def _path_step(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, 
 def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None:
     """Write the derivatives of the path states under ideal trim to `rates`, from index 2 on.
 
-    `matrix`: columns ``[A b w]`` at three times, of which number q is taken. `path`: states beyond
-    attitude and rate, ``(m - 2,)``. `wind`: wind angle of attack [rad].
+    `matrix`: columns ``[A b w]`` of x' = A x + b delta + w alpha_w at three times, of which number
+    q is taken. `path`: states beyond attitude and rate, ``(m - 2,)``. `wind`: wind angle of attack
+    [rad].
     """
     m = matrix.shape[1]
     deflection = _trim(matrix, q, path, wind)
@@ -235,8 +240,9 @@ def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None
 def _trim(matrix: Any, q: int, path: Any, wind: float) -> float:
     """Return the deflection [rad] of ideal trim, with attitude and rate at rest.
 
-    `matrix`: columns ``[A b w]`` at three times, of which number q is taken. `path`: states beyond
-    attitude and rate, ``(m - 2,)``. `wind`: wind angle of attack [rad].
+    It balances the moments, row 1 of the equations. `matrix`: columns ``[A b w]`` of x' = A x + b
+    delta + w alpha_w at three times, of which number q is taken. `path`: states beyond attitude and
+    rate, ``(m - 2,)``. `wind`: wind angle of attack [rad].
     """
     m = matrix.shape[1]
     moment = matrix[q, 1, m + 1] * wind
@@ -264,11 +270,12 @@ def limited_trim(
 ) -> None:
     """Write to ``diverged (n, tries)`` which flights with ``limits (n, tries)`` [rad] diverge.
 
-    They are flights of the ideal trim law with a deflection limit. `steps`: steps, equations and
-    winds of the n cases. `end`: costate p and control reach R at the end, ``(n, m + 1)``. `onset`:
-    position at which each wind begins, in steps, ``(n,)``. `gain`: ratio of the attitude feedback
-    to trim. `max_attitude`: attitudes [rad] beyond which a flight counts as diverged, ``(n,)``, in
-    the first `checked` steps. Cases from `first` up to `last` are computed.
+    They are flights of the ideal trim law with a deflection limit L, which diverge if in the end L
+    cannot bring the unstable component back, ``|p.x| > L |R|``. `steps`: steps, equations and winds
+    of the n cases. `end`: costate p and control reach R of a unit deflection at the end, ``(n, m +
+    1)``. `onset`: position at which each wind begins, in steps, ``(n,)``. `gain`: ratio of the
+    attitude feedback to trim. `max_attitude`: attitudes [rad] beyond which a flight counts as
+    diverged, ``(n,)``, in the first `checked` steps. Cases from `first` up to `last` are computed.
     """
     count, m, tries = steps.lengths.shape[1], steps.equations.shape[3], limits.shape[1]
     matrix, law = np.empty((3, m, m + 2)), np.empty((3, m + 1))
@@ -299,15 +306,17 @@ def limited_trim(
 def _trim_law_gains(matrix: Any, gain: float, law: Any) -> None:
     """Write the feedback gains of the states, and last of the wind angle, ``law (m + 1,)``.
 
-    They are the gains of the ideal trim law, see the module. `matrix`: ``[A b w]``, ``(m, m + 2)``.
-    `gain`: ratio of the attitude feedback to trim.
+    The ideal trim law is delta = -(A_2.x + w_2 alpha_w + gain ``|mu_alpha|`` z)/b_2 with A_2, w_2
+    and b_2 the row of the moments, mu_alpha = A_21 and z = theta + theta'/k, the unstable component
+    of the attitude: k is the positive root of k^2 - d k = ``|mu_alpha|``, d = -A_22 the damping.
+    `matrix`: ``[A b w]``, ``(m, m + 2)``. `gain`: ratio of the attitude feedback to trim.
     """
     m = matrix.shape[0]
     for i in range(m):
         law[i] = -matrix[1, i] / matrix[1, m]
     law[m] = -matrix[1, m + 1] / matrix[1, m]
     stiffness, half = abs(matrix[1, 0]), -0.5 * matrix[1, 1]
-    rate = half + math.sqrt(half * half + stiffness)
+    rate = half + math.sqrt(half * half + stiffness)  # k
     back = gain * stiffness / matrix[1, m]
     law[0] -= back
     if rate > 0.0:
@@ -327,9 +336,10 @@ def _limited_step(
 ) -> None:
     """Advance the states ``(m,)`` of a flight of the limited trim law by a step, by Runge-Kutta.
 
-    `matrix`: columns ``[A b w]`` at begin, middle and end of the step. `law`: gains of states and
-    wind there, ``(3, m + 1)``. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `limit`:
-    deflection limit [rad]. `states`: changed. `state`, `rates`: work arrays.
+    `matrix`: columns ``[A b w]`` of x' = A x + b delta + w alpha_w at begin, middle and end of the
+    step. `law`: gains of states and wind there, ``(3, m + 1)``. `wind`: alpha_w there [rad],
+    ``(3,)``. `h`: its length [s]. `limit`: deflection limit [rad]. `states`: changed. `state`,
+    `rates`: work arrays.
     """
     m = matrix.shape[1]
     for stage in range(4):
