@@ -39,7 +39,10 @@ MIN_GAIN = 1e-30
 
 
 def positive_in_range(name: str, value: ArrayLike, unit: str = "") -> FloatArray:
-    """Return `value` as an array; `InputError` on `name` [`unit`] if not within 1e-9 to 1e9."""
+    """Return `value` as an array; `InputError` unless it is within 1e-9 to 1e9.
+
+    `name`, `unit`: name and unit of the quantity in the message.
+    """
     return within(name, positive(name, value, unit), 1.0 / MAX_MAGNITUDE, MAX_MAGNITUDE, unit)
 
 
@@ -50,11 +53,11 @@ def zero_or_in_range(name: str, value: ArrayLike, minimum: float, unit: str = ""
     """
     array = finite(name, value, unit)
     size = np.abs(array)
-    bad = (size > MAX_MAGNITUDE) | ((size > 0.0) & (size < minimum))
-    if np.any(bad):
+    outside = (size > MAX_MAGNITUDE) | ((size > 0.0) & (size < minimum))
+    if np.any(outside):
         raise InputError(
             f"{name} must be zero or {minimum:.6g} to {MAX_MAGNITUDE:.6g}{unit and ' ' + unit} in"
-            f" size; got {array[bad].flat[0]:.6g}"
+            f" size; got {array[outside].flat[0]:.6g}"
         )
     return array
 
@@ -100,13 +103,14 @@ class Actuator(Record):
     def denominator(self) -> FloatArray:
         """Characteristic polynomial ``(..., order + 1)``, highest power first.
 
-        The last coefficient is the numerator of the transfer function.
+        It is s + w or s^2 + 2 zeta w s + w^2, with the natural frequency w [rad/s] and the damping
+        ratio zeta. The last coefficient is the numerator of the transfer function.
         """
         w = np.asarray(self.natural_frequency)
         if self.damping is None:
             return np.stack([np.ones_like(w), w], axis=-1)
-        rows = np.broadcast_arrays(1.0, 2.0 * np.asarray(self.damping) * w, w**2)
-        return np.stack(rows, axis=-1)
+        columns = np.broadcast_arrays(1.0, 2.0 * np.asarray(self.damping) * w, w**2)
+        return np.stack(columns, axis=-1)
 
     def tf(self) -> control.TransferFunction:
         """Return the actuator as `control.TransferFunction`, deflection per command.
@@ -123,7 +127,7 @@ class Actuator(Record):
         return control.TransferFunction(
             self.denominator[-1:],
             self.denominator,
-            0,
+            dt=0,  # continuous
             name="actuator",
             inputs=["deflection_command"],
             outputs=["deflection"],
@@ -148,8 +152,6 @@ class Actuator(Record):
 
 INPUTS = ("deflection_command", "deflection_disturbance", "wind")
 _STATES = ("actuator_deflection", "actuator_rate")
-_DISTURBED = gain("deflection", {"deflection_disturbance": 1.0})
-_AT_ONCE = gain("deflection", {"deflection_command": 1.0})
 
 
 def plant_with_actuator(
@@ -180,7 +182,8 @@ def plant_blocks(
     is not of second order.
     """
     check_engine(plant, actuator)
-    return [sensors.system(plant), actuator_system(actuator), _DISTURBED]
+    disturbance = gain("deflection", {"deflection_disturbance": 1.0})
+    return [sensors.system(plant), actuator_system(actuator), disturbance]
 
 
 def actuator_system(actuator: Actuator | None) -> LinearSystem:
@@ -189,15 +192,14 @@ def actuator_system(actuator: Actuator | None) -> LinearSystem:
     A second-order actuator has the acceleration of the deflection as a further output.
     """
     if actuator is None:
-        return _AT_ONCE
+        return gain("deflection", {"deflection_command": 1.0})
     A, B, C, D = actuator.matrices()
     order = A.shape[-1]
-    C, D = (
-        np.concatenate([output, derivative[..., 1:, :]], -2)
-        for output, derivative in ((C, A), (D, B))
-    )
+    # of second order the acceleration is the second row of A and B; of first order none is added
+    C, D = np.concatenate([C, A[..., 1:, :]], axis=-2), np.concatenate([D, B[..., 1:, :]], axis=-2)
     outputs = ("deflection", "deflection_acceleration")[:order]
-    return LinearSystem(A, B, C, D, ("deflection_command",), outputs, _STATES[:order])
+    states = ("actuator_deflection", "actuator_rate")[:order]
+    return LinearSystem(A, B, C, D, inputs=("deflection_command",), outputs=outputs, states=states)
 
 
 def check_engine(plant: AnyPlant, actuator: Actuator | None) -> None:

@@ -56,7 +56,8 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
     """Warn of zero gains, positive feedback, and an actuator slower than the unstable pole.
 
     `autopilot`, `plant`: the two parts of the loop, one each or batches. `stacklevel`: as in
-    `warnings.warn`; 3 points at the caller of the calling method.
+    `warnings.warn`; 3 points at the caller of the calling method. Nothing is known of a controller
+    in state space, and of a plant without coefficients.
     """
     plant = plant.rigid
     if not plant.coefficients_known or autopilot.controller is not None:
@@ -75,9 +76,9 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
     ]
     others = ("integral_gain", "drift_rate_gain", "drift_gain")
     gains += [(gain, np.asarray(getattr(autopilot, gain)), 0.0, "") for gain in others]
-    for name, values, vehicle, verb in gains:
-        gain, slope, bare = np.broadcast_arrays(values, mu_delta, vehicle)
-        worst = np.unravel_index(np.argmin(gain * slope + bare), gain.shape)
+    for name, values, of_vehicle, verb in gains:
+        gain, slope, bare = np.broadcast_arrays(values, mu_delta, of_vehicle)
+        worst = np.unravel_index(np.argmin(gain * slope + bare), gain.shape)  # of the batch
         if gain[worst] * slope[worst] + bare[worst] < 0.0:
             warnings.warn(
                 f"{name} = {gain[worst]:.6g} is positive feedback on a plant with"
@@ -112,12 +113,14 @@ def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
     if not names:
         return
     rate = np.asarray(autopilot.sample_rate)[..., np.newaxis]
-    cycles = np.imag(poles) / (2.0 * np.pi)
-    slow = np.any(np.atleast_2d(rate < 2.0 * cycles).reshape(-1, len(names)), axis=0)
-    if np.any(slow):
-        aliased = ", ".join(name for name, is_slow in zip(names, slow, strict=True) if is_slow)
+    frequency = np.imag(poles) / (2.0 * np.pi)  # [Hz], of each mode
+    aliased = np.any(np.atleast_2d(rate < 2.0 * frequency).reshape(-1, len(names)), axis=0)
+    if np.any(aliased):
+        modes = ", ".join(
+            name for name, is_aliased in zip(names, aliased, strict=True) if is_aliased
+        )
         warnings.warn(
-            f"sample_rate = {np.min(rate):.6g} Hz is below twice the frequency of {aliased}, which"
+            f"sample_rate = {np.min(rate):.6g} Hz is below twice the frequency of {modes}, which"
             " sampling aliases to another frequency (see band_margins)",
             stacklevel=3,
         )
@@ -126,11 +129,10 @@ def warn_of_sampling(autopilot: Feedback, plant: AnyPlant) -> None:
 def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> bool:
     """Return whether the Pade approximation of a delay gives a wrong number of unstable poles.
 
-    `autopilot`: its delay is approximated. `plant`: one plant, or a batch with one delay, of which
-    it is whether any loop is wrong. `loop`: their `closed_loop` with Pade approximation, which has
-    a command as an input and the returned command as an output.
-    Where a bound proves that the approximation is good enough the poles with the exact delay are
-    not counted.
+    `autopilot`: its delay is approximated. `plant`: one plant, or a batch with one delay, for which
+    True means that any loop is wrong. `loop`: the closed loop of both with Pade approximation,
+    which has a command as an input and the returned command as an output. The poles with the exact
+    delay are counted only where no bound proves that the approximation is good enough.
     """
     if not (delay := float(autopilot.delay)):
         return False
@@ -144,7 +146,10 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> b
 
 
 def require_pade(autopilot: Feedback, plants: AnyPlant) -> None:
-    """Raise `InputError` where a Pade approximation adds or hides an unstable pole of a loop."""
+    """Raise `InputError` where a Pade approximation adds or hides an unstable pole of a loop.
+
+    The loop is that of one autopilot around one plant, or around each of a batch.
+    """
     if pade_misleads(autopilot, plants, closed_loop(autopilot, plants, command=True)):
         raise InputError(PADE_WARNING.format(autopilot.pade_order))
 
@@ -253,6 +258,7 @@ class Autopilot(Feedback):
             loop = open_loop(self, plant, pade=True).select((COMMAND,), (RETURNED,))
         else:
             loop = loop_in_steps(self, plant)
+        # L is minus the returned command
         return replace(loop, C=0.0 - loop.C, D=0.0 - loop.D).to_control(f"{plant.model} loop")
 
     @with_diagram
@@ -468,10 +474,11 @@ class Autopilot(Feedback):
     def _wind_system(
         self, plant: AnyPlant
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, tuple[str, ...]]:
-        """Return A ``(n, n)``, B, C ``(m, n)``, D from the wind to m outputs, and their names.
+        """Return A, B, C, D of the closed loop from the wind to m outputs, and the outputs' names.
 
-        They are of the closed loop of this autopilot around one plant. `InputError` for a batch,
-        and for a Pade approximation with a wrong number of unstable poles.
+        Shapes ``(n, n)``, ``(n,)``, ``(m, n)`` and ``(m,)``, for this autopilot around one plant.
+        `InputError` for a batch, and for a Pade approximation with a wrong number of unstable
+        poles.
         """
         self._require_single("wind_response", plant)
         loop = closed_loop(self, plant, command=True)

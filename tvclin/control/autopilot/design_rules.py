@@ -181,18 +181,22 @@ class AutopilotDesign:
         """
         keys = AUTOPILOT_TABLE.read(table)
         name, rows = keys.pop("schedule", None), keys.pop("filter", ())
-        gains, columns = GainTable(), dict[str, FloatArray]()
+        gains, columns = GainTable(), dict[str, FloatArray]()  # columns: numbers of filters
         if name is not None:
             path = errors.path("folder", folder) / errors.text("schedule", name)
             gains, columns = load_gains(path if exists(path) else Path(name))
         filters = specified_filters(rows, columns)
+        # over the flight: gains, filters with columns of numbers, and notches at a mode
         if name is not None or filters.notches:
             keys["schedule"] = replace(gains, chains=filters.scheduled, notches=filters.notches)
         return cls(**keys, **filters.constant)
 
     @property
     def unspecified(self) -> bool:
-        """Whether neither gains nor a rule are specified, so that the gains are canonical."""
+        """Whether no rule, and no gain on attitude, rate or angle of attack, is specified.
+
+        The gains are then those of the rule "canonical".
+        """
         if self.schedule is not None and self.schedule.gains:
             return False
         rule = (getattr(self, name) for name in RULE_PARAMETERS)
@@ -201,7 +205,7 @@ class AutopilotDesign:
 
     @property
     def has_gains(self) -> bool:
-        """Whether gains or a rule for them are specified."""
+        """Whether a rule or any gain is specified, also one that is added to those of a rule."""
         return not self.unspecified or any(getattr(self, n) for n in GAINS if n in ADDED_GAINS)
 
     @property
@@ -215,22 +219,26 @@ class AutopilotDesign:
         return replace(self, delay=0.0, filters=(), attitude_filters=(), rate_filters=())
 
     def options(self, actuator: Actuator | None) -> dict[str, Any]:
-        """Return the arguments of an `Autopilot` other than the gains that a rule may design.
+        """Return the arguments of an `Autopilot` other than gains on attitude, rate and alpha.
 
         `actuator`: actuator of the nozzle, or None; `InputError` for another type.
         """
         if actuator is not None:
             errors.instance("actuator", actuator, Actuator, "of a bandwidth")
+        added = {name: getattr(self, name) for name in ADDED_GAINS}  # also of the accelerometer
         return {
             "actuator": actuator,
-            **{name: getattr(self, name) for name in ADDED_GAINS},
+            **added,
             "delay": self.delay,
             "sample_rate": self.sample_rate,
             **self.chains,
         }
 
     def check_gains(self) -> None:
-        """Raise `InputError` for gains beside a rule, and for a gain without those it needs."""
+        """Raise `InputError` for gains beside a rule, and unless attitude and rate have both one.
+
+        Gains are those on attitude, rate and angle of attack; without any nothing is checked.
+        """
         if all(getattr(self, name) is None for name in GIVEN_GAINS):
             return
         if any(getattr(self, name) is not None for name in RULE_PARAMETERS):
@@ -275,9 +283,9 @@ AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, words=("schedule",)
 def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> Autopilot:
     """Return the autopilot of a design rule for a plant, with further arguments of `Autopilot`.
 
-    `design`: name and numbers of the rule; without a name it is "poles" if a pole is specified,
-    else "canonical". `options`: actuator, delay, filters, sample rate, and gains that are added.
-    `InputError` for a rule with too few numbers or too many.
+    `design`: name and numbers of the rule; without a name it is "poles" if a frequency or damping
+    is specified, else "canonical". `options`: actuator, delay, filters, sample rate, and gains that
+    are added. `InputError` for a rule with too few numbers or too many.
     """
     natural_frequency, damping = design.natural_frequency, design.damping
     has_poles = natural_frequency is not None or damping is not None
@@ -289,8 +297,8 @@ def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> 
             f"design {LEAST_NOZZLE} needs a wind: tvclin design and study files have one; in"
             " Python see minimum_deflection_gains"
         )
-    further = _further_numbers(design, rule, options)
-    if rule in _OTHER_RULES:
+    further = _further_numbers(design, rule, options)  # of the drift, or weights
+    if rule in _OTHER_RULES:  # canonical, half-relief and lqr
         if has_poles:
             raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
         return _OTHER_RULES[rule](plant, **further, **options)
@@ -320,10 +328,11 @@ def _further_numbers(
     numbers = {name: getattr(design, name) for name in _FURTHER}
     numbers = {name: value for name, value in numbers.items() if value is not None}
     for name in numbers:
-        if _FURTHER[name] != rule:
+        if _FURTHER[name] != rule:  # the rule that has this number
             raise errors.InputError(
                 f"{name} is of gains by design {_FURTHER[name]}; got design {rule}"
             )
+    # drift-poles, and lqr with a weight on the drift, design both gains of the drift
     if rule == DRIFT_POLES or numbers.get("drift_weight") or numbers.get("drift_rate_weight"):
         for name in ("drift_rate_gain", "drift_gain"):
             if options.pop(name):

@@ -52,15 +52,15 @@ class StableRange:
     upper: float
 
     def line(self, key: str = "edge", within: float = np.inf) -> Line:
-        """Return the sentence that the loop is unstable at these factors; () if it names none.
+        """Return the sentence that the loop is unstable at these factors; () without any.
 
-        It names factors that differ from one by at most `within`, and so none that is NaN: there
+        Only factors that differ from one by at most `within` count, and so none that is NaN: there
         the loop is stable. `key`: first part of the keys of the numbers.
         """
         bounds = {"lower": self.lower, "upper": self.upper}
         shown = [
-            number(f"{key}.{side}", factor)
-            for side, factor in bounds.items()
+            number(f"{key}.{bound}", factor)
+            for bound, factor in bounds.items()
             if abs(factor - 1.0) <= within
         ]
         factors = (*shown[0], " and ", *shown[1]) if len(shown) > 1 else sum(shown, ())
@@ -111,11 +111,15 @@ class Detuned:
         return f"NOT MET in {len(failed)} of {len(self.changes)} rows ({shown}{more})"
 
     def row(self, change: str) -> int:
-        """Return the index of the row with a change."""
+        """Return the index of the row with a change, such as "bending 1 x 0.8"."""
         return self.changes.index(one_of("change", change, self.changes))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the record as the command line prints it as JSON, angles in degrees."""
+        """Return the record as the command line prints it as JSON, angles in degrees.
+
+        A dictionary of margins, critical margin and verdict for each change; the stable range of
+        each mode; and whether all changes satisfy the criteria.
+        """
         names = ("status", "aero_margin", "gain_increase", "phase_margin", "delay_margin")
         columns = {
             "change": self.changes,
@@ -131,7 +135,10 @@ class Detuned:
         }
 
     def table(self) -> Table:
-        """Return the table of margins, of the critical one of each row, and of its verdict."""
+        """Return the table of margins, of the critical one of each row, and of its verdict.
+
+        Margins are the gain margins down and up [dB] and the phase margin [deg].
+        """
         m, rows = self.margins, []
         for k, change in enumerate(self.changes):
             numbers = (number(f"detuned.{k}.{name}", getattr(m, name)[k], 2) for name in _COLUMNS)
@@ -155,14 +162,18 @@ class Detuned:
 
 
 def _margin_label(name: str) -> str:
-    """Return the heading of a margin by its name; "bending 1, gain" for a margin of a mode.
+    """Return the text in a table of the margin that fails first; "UNSTABLE" without margins.
 
-    `name`: of `Margins`, or with " of " and the name of a mode; "unstable" becomes capitals.
+    `name`: "unstable", or the name of a margin: of the loop, as "aero_margin_dB", with its heading
+    as text; or of a mode, "mode_gain_margin_dB of bending 1", with the text "bending 1, gain".
     """
     margin, _, mode = name.partition(" of ")
     if mode:
         return f"{mode}, {'gain' if 'gain' in margin else 'phase'}"
-    return _COLUMNS.get(name) or (MARGINS[name][0] if name in MARGINS else name.upper())
+    if name in MARGINS:
+        label, *_ = MARGINS[name]
+        return _COLUMNS.get(name, label)
+    return name.upper()
 
 
 def detuned(
@@ -218,17 +229,19 @@ def detuned(
     names, _ = named_modes(plant)
     if not names:
         raise InputError("detuned() needs a plant with a bending mode or a tank; this has none")
-    changes, *mode_factors = mode_changes(names, len(plant.structure.bending), row)
-    plants = with_mode_factors(plant, *mode_factors)
+    changes, frequency, damping, slope_sign = mode_changes(names, len(plant.structure.bending), row)
+    plants = with_mode_factors(plant, frequency, damping, slope_sign)
+    # margins of modes are computed only for criteria that judge them
     bands = autopilot.band_margins(plants) if criteria.has_mode_limits else None
     margins = loop_margins(autopilot.exact_loop(plants)) if bands is None else bands.margins
+    low, high = float(row.min()), float(row.max())
     return Detuned(
-        changes,
-        margins,
-        _critical_margins(criteria, bands or margins, margins, len(changes)),
-        np.broadcast_to(criteria.are_satisfied(bands or margins), len(changes)),
-        stable_ranges(autopilot, plant, float(row.min()), float(row.max()), _INTERVALS),
-        plants,
+        changes=changes,
+        margins=margins,
+        critical_margin=_critical_margins(criteria, bands or margins, margins, len(changes)),
+        satisfied=np.broadcast_to(criteria.are_satisfied(bands or margins), len(changes)),
+        stable_ranges=stable_ranges(autopilot, plant, low, high, _INTERVALS),
+        plants=plants,
     )
 
 
@@ -237,20 +250,22 @@ def mode_changes(
 ) -> tuple[tuple[str, ...], FloatArray, FloatArray, FloatArray]:
     """Return changes of single modes, and their factors on frequency, damping and slopes.
 
-    The factors are ``(changes, modes)``, the first row nominal; see `with_mode_factors`. `bending`:
-    number of bending modes, the first of `names`. `factors`: factors on a frequency, ``(n,)``.
+    The changes are texts as "bending 1 x 0.8", the first "nominal"; factors are ``(changes,
+    modes)``. Each mode has n frequencies, then half its damping; each bending mode then has slopes
+    of opposite sign at the sensors. `names`: of bending modes, then tanks. `bending`: number of
+    bending modes. `factors`: factors on a frequency, ``(n,)``.
     """
     count = len(names)
     changes = ["nominal", *(f"{name} x {factor:.6g}" for name in names for factor in factors)]
     changes += [f"{name}, half its damping" for name in names]
     changes += [f"{name}, sensor slopes of opposite sign" for name in names[:bending]]
-    # One row for each change, one column for each mode.
     mode = np.arange(count)
     frequency, damping, slope_sign = np.ones((3, len(changes), count))
-    start = 1 + count * factors.size
-    frequency[np.arange(1, start), np.repeat(mode, factors.size)] = np.tile(factors, count)
-    damping[start + mode, mode] = 0.5
-    slope_sign[start + count + mode[:bending], mode[:bending]] = -1.0
+    first_damping = 1 + count * factors.size  # row of the first change of damping
+    rows = np.arange(1, first_damping)
+    frequency[rows, np.repeat(mode, factors.size)] = np.tile(factors, count)
+    damping[first_damping + mode, mode] = 0.5
+    slope_sign[first_damping + count + mode[:bending], mode[:bending]] = -1.0
     return tuple(changes), frequency, damping, slope_sign
 
 
@@ -272,9 +287,9 @@ def with_mode_factors(
 ) -> FlexiblePlant:
     """Return plants with factors on frequencies, dampings and shapes at the sensors of the modes.
 
-    `plant`: one or a batch, which broadcasts with the factors. `frequency`, `damping`,
-    `slope_sign`: factors for bending modes and then tanks, ``(..., modes)``, on slopes and
-    displacements at the sensors; tanks have none, and their factors are ignored.
+    `plant`: one or a batch, which broadcasts with the factors. `frequency`, `damping`: factors for
+    bending modes and then tanks, ``(..., modes)``. `slope_sign`: likewise, 1 or -1 for slopes and
+    displacements at the sensors; tanks have none; None: all are 1.
     """
     structure = structure_with_mode_factors(plant.structure, frequency, damping, slope_sign)
     return replace(plant, structure=structure)
@@ -288,8 +303,9 @@ def structure_with_mode_factors(
 ) -> Structure:
     """Return a structure with factors on frequencies, dampings and sensor shapes of its modes.
 
-    `frequency`, `damping`, `slope_sign`: factors for bending modes and then tanks,
-    ``(..., modes)``; None: no sign is reversed.
+    `frequency`, `damping`: factors for bending modes and then tanks, ``(..., modes)``.
+    `slope_sign`: likewise, 1 or -1 for slopes and displacements of bending modes at the sensors;
+    None: all are 1.
     """
     signs = np.ones_like(frequency) if slope_sign is None else slope_sign
     bending = tuple(
@@ -302,36 +318,37 @@ def structure_with_mode_factors(
         for k, mode in enumerate(structure.bending)
     )
     slosh = tuple(
-        _tank(tank, frequency[..., k], damping[..., k])
+        _detuned_tank(tank, frequency[..., k], damping[..., k])
         for k, tank in enumerate(structure.slosh, start=len(bending))
     )
     return replace(structure, bending=bending, slosh=slosh)
 
 
-def _tank(tank: SloshTank, frequency: FloatArray, damping: FloatArray) -> SloshTank:
-    """Return a tank with factors on `frequency` and `damping`; a pendulum changes its length.
+def _detuned_tank(
+    tank: SloshTank, frequency_factor: FloatArray, damping_factor: FloatArray
+) -> SloshTank:
+    """Return a tank with factors ``(...)`` on its frequency and damping ratio.
 
     A tank without a frequency is a pendulum, whose frequency is sqrt(acceleration/length).
     """
-    changes: dict[str, Any] = {"damping": tank.damping * damping}
-    if tank.frequency is None:
-        changes["pendulum_length"] = np.asarray(tank.pendulum_length) / frequency**2
-    else:
-        changes["frequency"] = tank.frequency * frequency
-    return replace(tank, **changes)
+    damping = tank.damping * damping_factor
+    if tank.frequency is not None:
+        return replace(tank, damping=damping, frequency=tank.frequency * frequency_factor)
+    length = np.asarray(tank.pendulum_length) / frequency_factor**2
+    return replace(tank, damping=damping, pendulum_length=length)
 
 
 def _critical_margins(
     criteria: Criteria, margins: Margins | BandMargins, loops: Margins, count: int
 ) -> tuple[str, ...]:
-    """Return the name of the margin with the smallest relative surplus in each of `count` rows.
+    """Return the name of the margin with the smallest relative surplus in each of `count` loops.
 
-    The surplus is the distance of a margin from its limit, here over the limit. `margins`: margins
-    that `criteria` judge. `loops`: margins of the whole loops, ``(count,)``; a row whose loop is
-    not stable is "unstable".
+    The surplus is the margin less its limit, here over the limit. `margins`: those that `criteria`
+    judge: of the loops, or also of their modes, as "mode_gain_margin_dB of bending 1". `loops`:
+    margins of the whole loops, ``(count,)``; the name for a loop that is not stable is "unstable".
     """
     judged = criteria.judge(margins)
-    limits = [max(j.criterion.limit, np.finfo(float).tiny) for j in judged]
+    limits = [max(j.criterion.limit, np.finfo(float).tiny) for j in judged]  # not zero
     surplus = np.stack(
         [np.broadcast_to(j.surplus, count) / limit for j, limit in zip(judged, limits, strict=True)]
     )
@@ -348,11 +365,12 @@ def stable_ranges(
     high: float = 1.0 + NEAR,
     intervals: int = _INTERVALS // 2,
 ) -> tuple[StableRange, ...]:
-    """Return the stable range of each mode's frequency factor, by refinement on the poles.
+    """Return the stable range of each mode's frequency factor, by counts of unstable poles.
 
     `autopilot`, `plant`: one each. `low`, `high`: smallest and largest factor. `intervals`: number
-    of intervals on each side of one; a range of factors with an unstable loop that is narrower than
-    an interval may be missed. Each of four refinements parts the interval of the change by 16.
+    of intervals from one to each of them; a range of factors with an unstable loop that is narrower
+    than an interval may be missed. Each of four refinements divides the interval in which the loop
+    becomes unstable by 16.
     """
     names, _ = named_modes(plant)
     count = len(names)
@@ -360,7 +378,7 @@ def stable_ranges(
     def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
         """Return whether the loop is unstable with factors on mode frequencies, ``(m, n)``.
 
-        `factors`: ``(m, n)``. `modes`: index of the mode whose factors a row has, ``(m,)``.
+        `factors`: ``(m, n)``. `modes`: index of the mode that each row changes, ``(m,)``.
         """
         frequency = np.ones((factors.size, count))
         frequency[np.arange(factors.size), np.repeat(modes, factors.shape[1])] = factors.ravel()
@@ -375,28 +393,29 @@ def stable_ranges(
     rows = np.arange(2 * count)
     inner, outer = np.ones(2 * count), np.repeat([min(low, 1.0), max(high, 1.0)], count)
     for refinement in range(_REFINEMENTS + 1):
-        parts = np.linspace(0.0, 1.0, 1 + (_PARTS if refinement else intervals))
-        factors = inner[:, np.newaxis] + (outer - inner)[:, np.newaxis] * parts
+        fractions = np.linspace(0.0, 1.0, 1 + (_PARTS if refinement else intervals))
+        factors = inner[:, np.newaxis] + (outer - inner)[:, np.newaxis] * fractions
         fails = unstable(factors, rows % count)
         fails[:, -1] |= refinement > 0  # known from the round before
-        exists, first = np.any(fails, axis=1), np.argmax(fails, axis=1)
+        exists, first = np.any(fails, axis=1), np.argmax(fails, axis=1)  # first unstable factor
         rows, first, factors = rows[exists], first[exists], factors[exists]
         if not rows.size:
             break
-        at = np.arange(rows.size)
-        inner, outer = factors[at, np.maximum(first - 1, 0)], factors[at, first]
+        index = np.arange(rows.size)
+        inner, outer = factors[index, np.maximum(first - 1, 0)], factors[index, first]
     bounds = np.full(2 * count, np.nan)
     bounds[rows] = outer[: rows.size]
     lower, upper = bounds.reshape(2, count).tolist()
-    return tuple(StableRange(*of) for of in zip(names, lower, upper, strict=True))
+    return tuple(StableRange(*row) for row in zip(names, lower, upper, strict=True))
 
 
 def detuning_note(ranges: Sequence[StableRange]) -> str:
-    """Return the factors of `ranges` within 10 percent of one at which the loop becomes unstable.
+    """Return a text on the factors within 10 percent of one at which the loop becomes unstable.
 
-    A text, empty where the loop is stable within 10 percent of the frequencies of all modes, and
-    where it is unstable without a change.
+    `ranges`: stable range of the frequency factor of each mode. Empty where the loop is stable
+    within 10 percent of the frequencies of all modes, and where it is unstable without a change.
     """
+    # equal bounds are both one: unstable without a change
     changed = (mode.line(within=NEAR) for mode in ranges if mode.lower != mode.upper)
     lines = [text(line) for line in changed if line]
     return listed(lines) if lines else ""

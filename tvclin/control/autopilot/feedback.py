@@ -50,10 +50,13 @@ double has digits."""
 
 
 def _lateral(name: str) -> Mapping[str, Any]:
-    """Return the metadata of a gain `name` that cards show if not zero, and documents always."""
+    """Return the metadata of the gain `name`: a field of documents, and another of notebooks.
+
+    Documents have the gain always, tables in notebooks only where it is not zero.
+    """
 
     def if_present(autopilot: Feedback) -> Any:
-        """Return the gain; None where it is zero."""
+        """Return the gain `name` of an autopilot; None where it is zero."""
         gain = getattr(autopilot, name)
         return gain if np.any(gain) else None
 
@@ -87,7 +90,11 @@ class Feedback(Record):
     sample_rate: float | FloatArray | None = field(default=None, metadata=spec("sample rate"))
 
     def __post_init__(self) -> None:
-        """Check all parameters and convert them to plain numbers, arrays and tuples."""
+        """Check all parameters and convert them to plain numbers, arrays and tuples.
+
+        `InputError` for values out of range, shapes that do not broadcast, and gains that do not
+        fit each other.
+        """
         gains = {name: zero_or_in_range(name, getattr(self, name), MIN_GAIN) for name in GAINS}
         delay = nonnegative("delay", self.delay, "s")
         delay = zero_or_in_range("delay", delay, 1.0 / MAX_MAGNITUDE, "s")
@@ -138,7 +145,10 @@ class Feedback(Record):
 
     @property
     def gains_text(self) -> str:
-        """Nonzero gains of one autopilot by their symbols, as text for sentences."""
+        """Text on the gains of one autopilot by their symbols, as "a0 = 0.2, a1 = 0.2 s".
+
+        Gains of zero are omitted, but those of attitude and rate.
+        """
         gains = [(name, getattr(self, name), si_unit(kind)) for name, kind in GAINS.items()]
         return ", ".join(
             f"{_SYMBOLS[name]} = {value:.4g} {unit}".rstrip()
@@ -147,7 +157,10 @@ class Feedback(Record):
         )
 
     def rows(self) -> list[Row]:
-        """Return the parameters of one autopilot as rows of a table; gains of zero are omitted."""
+        """Return the parameters of one autopilot as rows of a table: label, and value with unit.
+
+        Gains of zero are omitted, but those of attitude and rate; filters have their own table.
+        """
         rows: list[Row] = []
         for name, kind in GAINS.items():
             value = getattr(self, name)
@@ -191,16 +204,19 @@ class Feedback(Record):
     def lateral_sensors(self) -> LateralSensors:
         """Sensors of drift rate, drift and acceleration, those with a gain."""
         return LateralSensors(
-            bool(np.any(self.drift_rate_gain)),
-            bool(np.any(self.drift_gain)),
-            bool(np.any(self.acceleration_gain)),
-            self.acceleration_station,
-            self.accelerometer_bandwidth,
+            drift_rate=bool(np.any(self.drift_rate_gain)),
+            drift=bool(np.any(self.drift_gain)),
+            acceleration=bool(np.any(self.acceleration_gain)),
+            station=self.acceleration_station,
+            bandwidth=self.accelerometer_bandwidth,
         )
 
     @property
     def lateral_gains(self) -> dict[str, float | FloatArray]:
-        """Gains on the outputs of the lateral sensors by name; a controller has none."""
+        """Gains on drift rate, drift and acceleration by the names of their sensors' outputs.
+
+        Only those that are not zero; a controller in state space has none.
+        """
         gains = {
             DRIFT_RATE: self.drift_rate_gain,
             DRIFT: self.drift_gain,
@@ -211,7 +227,7 @@ class Feedback(Record):
 
     @property
     def batch(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one autopilot."""
+        """Shape of the batch of gains, delay, actuator and filters; ``()`` for one autopilot."""
         shapes = {name: np.shape(getattr(self, name)) for name in (*GAINS, "delay")}
         if self.actuator is not None:
             shapes["actuator"] = self.actuator.batch

@@ -82,11 +82,10 @@ class ModeNotch(Record):
     ratio: float | FloatArray = field(default=1.0, metadata=spec())
 
     def __post_init__(self) -> None:
-        """Check the name of the mode and the three numbers."""
+        """Check the name of the mode, and the numbers, which become floats or arrays."""
         errors.text("mode", self.mode)
-        for name, check in zip(
-            NOTCH_NUMBERS, (errors.finite, errors.positive, errors.positive), strict=True
-        ):
+        for name in NOTCH_NUMBERS:
+            check = errors.finite if name == "zero_damping" else errors.positive
             object.__setattr__(self, name, errors.plain(check(name, getattr(self, name))))
         _ = self.batch  # raises for shapes that do not broadcast
 
@@ -105,7 +104,7 @@ class ModeNotch(Record):
             the times.
         """
         structure: Any = getattr(flight, "structure", None)
-        if not hasattr(structure, "mode_number"):
+        if not hasattr(structure, "mode_number"):  # no structure over time
             raise errors.InputError(
                 f"a notch at {self.mode} has no mode: it needs a flight with a structure over time,"
                 " which rigid in [study] leaves out"
@@ -153,23 +152,22 @@ def specified_filters(
     for k, (row, numbers) in enumerate(zip(rows, _numbers_of_rows(rows, columns), strict=True)):
         with errors.naming(f"filter {k + 1} of the autopilot"):
             # The table completed at each breakpoint of the flight, or as it is without columns.
-            columns_of = zip(*numbers.values(), strict=True)
-            points = [dict(zip(numbers, point, strict=True)) for point in columns_of]
+            values_by_point = zip(*numbers.values(), strict=True)
+            points = [dict(zip(numbers, values, strict=True)) for values in values_by_point]
             tables = [dict(row) | point for point in points] or [dict(row)]
             if "mode" in row:
                 notches.append(_joined([_mode_notch(table) for table in tables]))
                 continue
-            made = [_filter(table) for table in tables]
-            position, _ = made[0]
-            chain, filters = CHAIN_OF_POSITION[position], [filter_ for _, filter_ in made]
+            positions, filters = zip(*map(_filter, tables), strict=True)
+            chain = CHAIN_OF_POSITION[positions[0]]  # all are equal
             if points:
-                above, below = (
+                numerator, denominator = (
                     np.stack([getattr(filter_, name) for filter_ in filters])
                     for name in ("numerator", "denominator")
                 )
-                scheduled[chain] = (*scheduled.get(chain, ()), Filter(above, below))
+                scheduled[chain] = (*scheduled.get(chain, ()), Filter(numerator, denominator))
             else:
-                constant[chain] += tuple(filters)
+                constant[chain] += filters
     return SpecifiedFilters(constant, scheduled, tuple(notches))
 
 
@@ -182,18 +180,18 @@ def _numbers_of_rows(
     the filter in the file, from 1, or "filter.MODE.key" for the only notch of a mode. `InputError`
     for a column of no filter, and for a number given both in a row and in a column.
     """
-    numbered = {f"{k + 1}": k for k in range(len(rows))}
+    by_number = {f"{k + 1}": k for k in range(len(rows))}
     modes = [f"{row['mode']}" if "mode" in row else "" for row in rows]
-    single = {mode: k for k, mode in enumerate(modes) if mode and modes.count(mode) == 1}
-    labels = numbered | single | numbered  # numbers first, also before a mode of such a name
+    by_mode = {mode: k for k, mode in enumerate(modes) if mode and modes.count(mode) == 1}
+    labels = by_number | by_mode | by_number  # in this order; a number counts before a mode "1"
     numbers: list[dict[str, list[float]]] = [{} for _ in rows]
     for column, values in columns.items():
         label, _, key = column.removeprefix(COLUMN_PREFIX).rpartition(".")
         if label not in labels:
-            known = f"{listed(tuple(labels))} are known" if labels else "the file has none"
+            legal = f"{listed(tuple(labels))} are known" if labels else "the file has none"
             raise errors.InputError(
                 f"{column} must name a filter of {FILTER_TABLE.heading} by its number or its mode,"
-                f" as filter.1.frequency_rad_per_s; {known}"
+                f" as filter.1.frequency_rad_per_s; {legal}"
             )
         row, completed = rows[labels[label]], numbers[labels[label]]
         if key in row or key in completed:
@@ -205,18 +203,22 @@ def _numbers_of_rows(
 
 
 def _joined(notches: Sequence[ModeNotch]) -> ModeNotch:
-    """Return the notch whose numbers are those of n `notches`, ``(n,)``; a single one unchanged."""
+    """Return one notch with the numbers of n notches at a mode as arrays, ``(n,)``.
+
+    A single notch is returned as it is, with its numbers as floats.
+    """
+    first = notches[0]
     if len(notches) == 1:
-        return notches[0]
+        return first
     numbers = {name: np.array([getattr(n, name) for n in notches]) for name in NOTCH_NUMBERS}
-    return ModeNotch(mode=notches[0].mode, **numbers)
+    return ModeNotch(mode=first.mode, **numbers)
 
 
 def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
-    """Return the position, a key of `CHAIN_OF_POSITION`, and the filter of one table `row`.
+    """Return the position, "sum", "attitude" or "rate", and the filter of one table of a file.
 
-    Positions are the sum, the attitude and the rate. `InputError` for an unknown kind or position,
-    and for numbers that are missing or not of that kind.
+    `row`: keys and values of [[autopilot.filter]]. `InputError` for an unknown kind or position,
+    and for numbers that are missing or not of that kind of filter.
     """
     keys = FILTER_TABLE.read(row)
     position = errors.one_of("on", keys.pop("on", "sum"), CHAIN_OF_POSITION)
@@ -236,12 +238,13 @@ def _filter(row: Mapping[str, Any]) -> tuple[str, Filter]:
 def _mode_notch(row: Mapping[str, Any]) -> ModeNotch:
     """Return the notch of a table `row` with a mode, whose frequency it follows over the flight.
 
-    `InputError` for another kind, another position than the sum, and other keys.
+    It needs mode, zero_damping and pole_damping, and may have a ratio. `InputError` for another
+    kind than "notch", another position than the sum, and other keys.
     """
     keys = FILTER_TABLE.read(row)
     allowed = ("mode", *NOTCH_NUMBERS)
     kind, position = keys.pop("kind"), keys.pop("on", "sum")
-    FILTER_TABLE.need(keys, allowed[:3])
+    FILTER_TABLE.need(keys, ("mode", "zero_damping", "pole_damping"))
     if kind != "notch" or position != "sum" or set(keys) - set(allowed):
         raise errors.InputError(
             f"a filter that follows a mode is a notch on the sum, of {listed(allowed)}"

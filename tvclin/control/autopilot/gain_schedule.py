@@ -142,7 +142,7 @@ class GainSchedule:
         return cls(points, rule(coefficients, **arguments), variable)
 
     def at(self, value: ArrayLike) -> Autopilot:
-        """Return the autopilot at a value of the variable [SI], or a batch of it at several.
+        """Return the autopilot at one or several values of the variable of the flight, in SI units.
 
         Raises
         ------
@@ -218,7 +218,10 @@ class GainSchedule:
         return loop_margins(loop)
 
     def _interpolated(self, values: FloatArray) -> Autopilot:
-        """Return the autopilot at `values` of the variable, constant outside the breakpoints."""
+        """Return the autopilot at `values` of the variable, of their shape, without mode notches.
+
+        Between breakpoints by straight lines; constant outside them.
+        """
         autopilot = self.autopilot
         changes: dict[str, Any] = {
             name: self._at_values(getattr(autopilot, name), values)
@@ -227,40 +230,43 @@ class GainSchedule:
         for name in CHAINS:
             chain = getattr(autopilot, name)
             changes[name] = tuple(self._filter(filter_, values) for filter_ in chain)
-        servo = autopilot.actuator
-        if servo is not None and servo.batch:
-            frequency, damping = servo.natural_frequency, servo.damping
+        actuator = autopilot.actuator
+        if actuator is not None and actuator.batch:
             changes["actuator"] = Actuator(
-                natural_frequency=self._at_values(frequency, values),
-                damping=self._at_values(damping, values),
+                natural_frequency=self._at_values(actuator.natural_frequency, values),
+                damping=self._at_values(actuator.damping, values),
             )
         return replace(autopilot, **changes)
 
     def _at_values(self, numbers: Any, values: FloatArray) -> Any:
-        """Return `numbers` at breakpoints ``(n,)`` interpolated to `values`; one number stays."""
+        """Return numbers ``(n,)`` at the breakpoints interpolated to `values` of the variable.
+
+        A constant, or None, is returned unchanged.
+        """
         return numbers if np.ndim(numbers) == 0 else np.interp(values, self.breakpoints, numbers)
 
     def _filter(self, filter_: Filter, values: FloatArray) -> Filter:
-        """Return a filter with its coefficients at `values` of the variable; constant ones stay.
+        """Return a filter at `values` of the variable, interpolated by its coefficients.
 
-        `filter_`: one filter, or one for each of the n breakpoints of the schedule; numerator and
-        denominator have a row of coefficients for each.
+        `filter_`: a batch ``(n,)`` of filters at the breakpoints, or a constant one, which is
+        returned unchanged.
         """
         if not filter_.batch:
             return filter_
-        rows = (
-            np.stack(
-                [self._at_values(column, values) for column in np.moveaxis(rows, -1, 0)], axis=-1
-            )
-            for rows in (filter_.numerator, filter_.denominator)
+        numerator, denominator = (
+            np.stack([self._at_values(column, values) for column in coefficients.T], axis=-1)
+            for coefficients in (filter_.numerator, filter_.denominator)  # (n, order + 1)
         )
-        return Filter(*rows)
+        return Filter(numerator, denominator)
 
 
 def autopilot_along(
     autopilot: Autopilot | GainSchedule, flight: FlightSchedule, time: FloatArray
 ) -> Autopilot:
-    """Return the autopilot, constant or of a schedule, at flight times `time` [s] ``(n,)``."""
+    """Return the autopilot, constant or of a schedule, at times of a flight [s] ``(n,)``.
+
+    The actuator of a flight that has one over time takes the place of the autopilot's.
+    """
     if isinstance(autopilot, GainSchedule):
         return autopilot.along(flight, time)
     instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
@@ -270,21 +276,27 @@ def autopilot_along(
 def gains_along(
     autopilot: Autopilot | GainSchedule, flight: FlightSchedule, time: FloatArray
 ) -> dict[str, FloatArray]:
-    """Return an autopilot's gains by name, ``(n,)``, at flight times `time` [s] ``(n,)``."""
+    """Return all gains of an autopilot, constant or scheduled, by name, ``(n,)``.
+
+    `time`: times of the flight [s], ``(n,)``.
+    """
     if not isinstance(autopilot, GainSchedule):
         return {name: np.full(time.shape, getattr(autopilot, name)) for name in GAINS}
     values = flight_variable(flight, autopilot.variable, time)
-    law = autopilot.autopilot
+    at_points = {name: getattr(autopilot.autopilot, name) for name in GAINS}  # or constant
     return {
-        name: np.broadcast_to(autopilot._at_values(getattr(law, name), values), time.shape)
-        for name in GAINS
+        name: np.broadcast_to(autopilot._at_values(gain, values), time.shape)
+        for name, gain in at_points.items()
     }
 
 
 def constant_gains_notes(
     schedule: GainSchedule, flight: FlightSchedule, times: FloatArray
 ) -> Iterator[str]:
-    """Yield a note on times of a flight [s], ``(n,)``, outside the breakpoints of a schedule."""
+    """Yield a note if gains are constant at some times of a flight, outside the breakpoints.
+
+    `times`: times of the flight [s], ``(n,)``.
+    """
     values = flight_variable(flight, schedule.variable, times)
     low, high = schedule.breakpoints[[0, -1]]
     outside = times[(values < low) | (values > high)]
@@ -305,11 +317,14 @@ def with_actuator_of(autopilot: Autopilot, flight: FlightSchedule, time: ArrayLi
 
 
 def flight_actuator(flight: FlightSchedule, time: ArrayLike) -> Actuator | None:
-    """Return the actuator of a flight at times [s], constant outside it; None without one."""
-    servo = flight.actuator_at(time)
-    if servo is None:
+    """Return the actuator that a flight has at times [s]; None if its file has no actuator.
+
+    Before and after the flight it is constant.
+    """
+    frequency_and_damping = flight.actuator_at(time)
+    if frequency_and_damping is None:
         return None
-    natural_frequency, damping = servo
+    natural_frequency, damping = frequency_and_damping
     return Actuator(natural_frequency=natural_frequency, damping=damping)
 
 
@@ -349,11 +364,12 @@ class EqualValues(Tabled):
             return np.asarray(np.nanmax(np.abs(np.log(np.abs(ratios))), axis=0, initial=0.0))
 
     def table(self) -> Table:
-        """Return the table of the pairs whose gains differ most."""
+        """Return the table of the five pairs whose gains differ most."""
         caption = "Times of one value, and the ratio of the gains there"
         largest = np.argsort(-self.difference, kind="stable")[:_SHOWN_PAIRS]
         table = array_table(caption, "equal", self, *_PAIR, rows=largest.tolist())
-        return replace(table, head=(self.variable, *table.head[1:]))
+        _, *headings = table.head  # the first column is headed by the variable
+        return replace(table, head=(self.variable, *headings))
 
     def _columns(self) -> Columns:
         """Return the pairs as columns of a CSV, with the name of the variable."""
@@ -392,36 +408,37 @@ def equal_values(
     InputError
         For times that do not rise or lie outside the flight, and gains of another shape.
     """
-    at = times_row("times", times)
-    if at.size < 2 or np.any(np.diff(at) <= 0.0):
+    time = times_row("times", times)
+    if time.size < 2 or np.any(np.diff(time) <= 0.0):
         raise InputError("times must be two or more rising times of flight in s")
     instance("autopilot", autopilot, Autopilot, "whose gains are one for each time")
-    if autopilot.batch not in {(), at.shape}:
+    if autopilot.batch not in {(), time.shape}:
         raise InputError(
-            f"autopilot must have one gain for each of the {at.size} times; got a batch of shape"
+            f"autopilot must have one gain for each of the {time.size} times; got a batch of shape"
             f" {autopilot.batch}"
         )
-    values = flight_variable(flight, variable, at)
-    # The first index is the first time of a pair; a later sign change or zero is the second.
+    values = flight_variable(flight, variable, time)
+    # A row is the first time of a pair; a later sign change or zero in it is the second.
     distance = values - values[:, np.newaxis]  # of the value at column j from that at row i
     crosses = (distance[:, :-1] * distance[:, 1:] < 0.0) | (distance[:, 1:] == 0.0)
     first, later = np.nonzero(np.triu(crosses, 1))
     fraction = distance[first, later] / (distance[first, later] - distance[first, later + 1])
-    second = at[later] + fraction * (at[later + 1] - at[later])
-    ratios = []
+    second_time = time[later] + fraction * (time[later + 1] - time[later])
+    ratios = {}
     for name in ("attitude_gain", "rate_gain"):
-        gains = np.broadcast_to(getattr(autopilot, name), at.shape)
+        gains = np.broadcast_to(getattr(autopilot, name), time.shape)
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratios.append(np.interp(second, at, gains) / gains[first])
-    return EqualValues(variable, values[first], at[first], second, *ratios)
+            ratios[f"{name}_ratio"] = np.interp(second_time, time, gains) / gains[first]
+    return EqualValues(variable, values[first], time[first], second_time, **ratios)
 
 
 def even_times(first: float, last: float, every: float) -> FloatArray:
     """Return the times `first`, `first` + `every`, ..., and `last` of a flight [s], ``(n,)``.
 
-    A step that would end within 1e-9 of itself at `last` is that one.
+    A time within 1e-9 of a step before `last` is omitted: `last` stands for it.
     """
-    return np.append(first + every * np.arange(int(np.ceil((last - first) / every - 1e-9))), last)
+    count = int(np.ceil((last - first) / every - 1e-9))
+    return np.append(first + every * np.arange(count), last)
 
 
 def flight_autopilot(
@@ -467,21 +484,24 @@ def flight_autopilot(
             " minimum_gain_schedule in Python"
         )
     plants = flight.plants(times, model, plane)
-    laws = [constant.autopilot(plants.case(k, plants.batch), actuator) for k in range(len(times))]
-    gains: dict[str, Any] = {name: np.array([getattr(a, name) for a in laws]) for name in GAINS}
-    return GainSchedule(np.asarray(times), replace(laws[0], **gains), notches=table.notches)
+    designed = [
+        constant.autopilot(plants.case(k, plants.batch), actuator) for k in range(len(times))
+    ]
+    gains: dict[str, Any] = {name: np.array([getattr(a, name) for a in designed]) for name in GAINS}
+    # all but the gains is the same at all times
+    return GainSchedule(np.asarray(times), replace(designed[0], **gains), notches=table.notches)
 
 
 def design_at(design: AutopilotDesign, flight: FlightSchedule, time: float) -> AutopilotDesign:
-    """Return the specification of one flight time [s], with its gains and notches as constants.
+    """Return the specification at one time of a flight [s], with constant gains and filters.
 
-    `design`: specification, perhaps with gains or notches over the `flight`.
+    `design`: specification, perhaps with gains, filters or notches over the flight.
     """
     table = design.schedule
     if table is None:
         return design
     constant = replace(design, schedule=None)
-    if not table.gains:
+    if not table.gains:  # then the table has only notches at modes
         notches = tuple(notch.at(flight, time) for notch in table.notches)
         return replace(constant, filters=(*design.filters, *notches))
     autopilot = _tabulated(table, constant, None).along(flight, time)
@@ -493,12 +513,12 @@ def _tabulated(
 ) -> GainSchedule:
     """Return the schedule of a table of gains over the flight, with the constants of an autopilot.
 
-    `table`: gains, filters and notches at breakpoints of a variable of the flight; its gains and
-    filters come before constant ones. `constant`: specification of delay, filters and sample rate.
-    `actuator`: actuator, or None.
+    `table`: gains, filters and notches at breakpoints of a variable of the flight; its gains
+    replace constant ones, its filters stand behind constant ones. `constant`: specification of
+    delay, filters and sample rate. `actuator`: actuator, or None.
     """
-    options = constant.options(actuator) | table.gains
-    chains = {name: (*options[name], *table.chains.get(name, ())) for name in CHAINS}
-    return GainSchedule(
-        table.breakpoints, Autopilot(**options | chains), table.variable, table.notches
-    )
+    arguments = constant.options(actuator) | table.gains
+    for name in CHAINS:
+        arguments[name] = (*arguments[name], *table.chains.get(name, ()))
+    autopilot = Autopilot(**arguments)
+    return GainSchedule(table.breakpoints, autopilot, table.variable, table.notches)

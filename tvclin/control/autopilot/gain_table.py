@@ -54,17 +54,18 @@ class GainTable:
 def gain_columns(
     variable: str, breakpoints: FloatArray, gains: Mapping[str, FloatArray | float]
 ) -> Columns:
-    """Return the columns of a table of gains, as `load_gains` reads them; zero gains are omitted.
+    """Return the columns of a CSV table of gains over a variable of the flight.
 
-    `variable`: variable of the flight. `breakpoints`: its values ``(n,)`` in SI units. `gains`:
-    gains by name, ``(n,)`` or constant.
+    Gains of zero are omitted, but those of attitude and rate. `variable`: name of the variable.
+    `breakpoints`: its values ``(n,)`` in SI units. `gains`: gains by name, ``(n,)`` or constant.
     """
     columns = [
         Column(name, np.asarray(gain), si_unit(GAINS[name]), () if np.ndim(gain) == 0 else None)
         for name, gain in gains.items()
         if name in _REQUIRED_GAINS or np.any(gain)
     ]
-    return Columns((Column(variable, breakpoints, si_unit(_VARIABLES[variable])),), tuple(columns))
+    points = Column(variable, breakpoints, si_unit(_VARIABLES[variable]))
+    return Columns((points,), tuple(columns))
 
 
 def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatArray]]:
@@ -85,7 +86,10 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
     """
 
     def known_keys(headings: Headings) -> float:
-        """Return the number of columns of a line of names that are read."""
+        """Return in how many columns a line of the file has names of a table of gains.
+
+        The line with most of them has the headings.
+        """
         return float(sum(_is_known(heading.text) for heading in headings))
 
     sheet = read_sheet(source, "a table of gains", known_keys, _KEYS)
@@ -111,14 +115,15 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
                 "a table of gains needs one column of time_s, speed_m_per_s, altitude_m, mach or"
                 f" dynamic_pressure_Pa; got {', '.join(variables) or 'none'}"
             )
+        (variable,) = variables
         columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-        points = columns.pop(variables[0])
+        points = columns.pop(variable)
         if points.size < 2 or np.any(np.diff(points) <= 0.0):
-            raise InputError(f"{variables[0]} must have two or more values, which rise")
+            raise InputError(f"{variable} must have two or more values, which rise")
         if not _REQUIRED_GAINS <= columns.keys():
             raise InputError("a table of gains needs attitude_gain and rate_gain_s, both")
     gains = {name: columns.pop(name) for name in GAINS if name in columns}
-    return GainTable(variables[0], points, gains), columns
+    return GainTable(variable, points, gains), columns
 
 
 def _is_known(column: str) -> bool:

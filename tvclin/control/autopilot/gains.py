@@ -249,8 +249,8 @@ def drift_minimum_gains(
             "drift-minimum gains need coefficients with drift (b1, b2, C2) and mu_alpha other"
             " than zero; make them with Coefficients.from_vehicle"
         )
-    along = c.C2 / np.asarray(c.mu_alpha)  # w
-    thrust, lift = np.broadcast_arrays(c.b1 + along, c.b2 + along)
+    w = c.C2 / np.asarray(c.mu_alpha)
+    thrust, lift = np.broadcast_arrays(c.b1 + w, c.b2 + w)  # b1 + w and b2 + w [1/s]
     worst = np.unravel_index(np.argmin(np.minimum(thrust, lift)), thrust.shape)
     if thrust[worst] <= 0.0 or lift[worst] < 0.0:
         raise errors.InputError(
@@ -317,9 +317,10 @@ def _coefficients(plant: PlantOrVehicle) -> Coefficients:
 
 
 def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
-    """Raise `InputError` for a closed-loop frequency [rad/s] below that of the vehicle alone.
+    """Raise `InputError` for a natural frequency of the loop [rad/s] below the vehicle's alone.
 
-    `coefficients`: of one vehicle or a batch; a stable one has the frequency sqrt(-mu_alpha).
+    `coefficients`: of one vehicle or a batch; aerodynamically stable ones have the frequency
+    sqrt(-mu_alpha), unstable ones count as zero. `natural_frequency`: ``(...)``, which broadcasts.
     """
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     errors.broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
@@ -340,8 +341,9 @@ def _stiffness(
 ) -> tuple[Any, Any]:
     """Return the stiffness gain a0 + b0 and the rate gain a1 [s] of a closed loop on a fixed path.
 
-    a0 + b0 = (omega_n^2 + mu_alpha)/mu_delta and a1 = (2 zeta omega_n - d)/mu_delta, d being the
-    vehicle's own damping M_q/I [1/s]. `coefficients`: of one vehicle or a batch.
+    a0 is the gain on the attitude, b0 on the angle of attack: a0 + b0 = (omega_n^2 +
+    mu_alpha)/mu_delta and a1 = (2 zeta omega_n - d)/mu_delta, d being the vehicle's own damping
+    M_q/I [1/s]. `coefficients`: of one vehicle or a batch.
     `natural_frequency`, `damping`: omega_n [rad/s] and damping ratio zeta of the loop; all
     broadcast. `InputError` for less damping than the vehicle alone has.
     """
@@ -352,7 +354,7 @@ def _stiffness(
     )
     with np.errstate(over="ignore"):
         stiffness = np.asarray((frequency**2 + c.mu_alpha) / c.mu_delta)
-        damping_rate, bare = np.broadcast_arrays(2.0 * ratio * frequency, c.damping)
+        damping_rate, bare = np.broadcast_arrays(2.0 * ratio * frequency, c.damping)  # [1/s]
         if np.any(damping_rate < bare):
             worst = np.unravel_index(np.argmin(damping_rate - bare), bare.shape)
             raise errors.InputError(
@@ -428,13 +430,15 @@ def lqr_gains(
         raise errors.InputError(
             f"deflection_weight must be at least 1/{_MAX_WEIGHT:g} of the others"
         )
-    sensors = LateralSensors(drift_rate_weight > 0.0 or drift_weight > 0.0, drift_weight > 0.0)
+    sensors = LateralSensors(
+        drift_rate=drift_rate_weight > 0.0 or drift_weight > 0.0, drift=drift_weight > 0.0
+    )
     feedback = -_optimal_feedback(sensors.system(plant), costs, cost)
     # Gains on attitude, its rate and, with a flight path, on gamma and perhaps the drift.
     on_attitude, on_rate, *on_path = feedback.tolist()
     if not sensors.signals:
         # gamma = theta - alpha without wind: its gain goes to the attitude, and off alpha.
-        path = sum(on_path)
+        path = sum(on_path)  # of none or one
         return Autopilot(
             attitude_gain=on_attitude + path,
             rate_gain=on_rate,
@@ -454,9 +458,10 @@ def _optimal_feedback(system: LinearSystem, costs: list[float], cost: float) -> 
     """Return the gains k ``(n,)`` on n states for which delta = -k x minimises a quadratic cost.
 
     The cost is the integral of x' Q x + R delta^2, the weighted squares as a form in the states x.
-    `system`: plant and lateral sensors, deflection first. `costs`: weights of the squares of
-    attitude, its rate, angle of attack, drift rate and drift. `cost`: R, weight of the squared
-    deflection. `InputError` for an unstable mode without a cost.
+    `system`: plant and lateral sensors, with the deflection as first input. `costs`: weights of the
+    squares of attitude, its rate, angle of attack, drift rate and drift; without effect on outputs
+    that the system does not have. `cost`: R, weight of the squared deflection. `InputError` for a
+    mode without a cost.
     """
     import control
 
@@ -536,11 +541,12 @@ def drift_gains(
     poles = np.concatenate([_pair(*pair) for pair in pairs])
     system = LateralSensors(drift=True).system(plant)
     # States attitude, its rate, flight path angle, and drift over speed [s], of about one size.
-    A, B = _per_speed(system.A, float(speed)), system.B[:, :1]
+    scale = np.array([1.0, 1.0, 1.0, float(speed)])
+    A, B = system.A * scale / scale[:, np.newaxis], system.B[:, :1]
     try:
         gains = control.place(A, B, poles)[0]
-    except ValueError:  # refused below, as the poles are not those specified
-        gains = np.full(4, np.nan)
+    except ValueError:  # no solution: gains of zero leave other poles, refused below
+        gains = np.zeros(4)
     placed = np.linalg.eigvals(A - B * np.nan_to_num(gains))
     distances = np.abs(placed[:, np.newaxis] - poles).min(axis=0)
     if not np.all(distances < _RELATIVE_POLE_ERROR * np.abs(poles)):
@@ -599,23 +605,24 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
     errors.broadcast(autopilot=autopilot.batch, plant=plant.batch)
     c = plant.coefficients
     b1, difference = np.asarray(c.b1), np.asarray(c.b1 - c.b2)
-    gravity = 0.0 if plant.model == "drift" else c.C2 / np.asarray(c.mu_alpha)
+    w = 0.0 if plant.model == "drift" else c.C2 / np.asarray(c.mu_alpha)
     if np.any(autopilot.drift_gain):
-        path = np.zeros(np.broadcast_shapes(autopilot.batch, plant.batch))
+        path_ratio = np.zeros(np.broadcast_shapes(autopilot.batch, plant.batch))
     elif np.any(autopilot.integral_gain):
-        path = -difference / b1
+        path_ratio = -difference / b1
     else:
         a0 = np.asarray(autopilot.attitude_gain)
         k = c.B - autopilot.alpha_gain - autopilot.acceleration_gain * speed * difference
-        divisor = a0 + autopilot.drift_rate_gain * speed + (k - a0) * gravity / (b1 + gravity)
-        path = ((k - a0) * difference / (b1 + gravity) - k) / divisor
-    return errors.plain(np.asarray(speed * path))
+        divisor = a0 + autopilot.drift_rate_gain * speed + (k - a0) * w / (b1 + w)
+        path_ratio = ((k - a0) * difference / (b1 + w) - k) / divisor
+    return errors.plain(np.asarray(speed * path_ratio))
 
 
 def _speed(plant: Plant) -> FloatArray:
     """Return the speed of a plant [m/s], ``(...)``.
 
-    `InputError` for a plant that is not rigid or has no free flight path, and without a speed.
+    `InputError` for another plant than a rigid one of the models "drift" and "drift-exact", and for
+    coefficients without a speed.
     """
     errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
     if not plant.is_rigid or plant.model not in ("drift", "drift-exact"):
@@ -632,12 +639,3 @@ def _pair(name: str, frequency: float, damping_name: str, damping: float) -> Com
     w = errors.number(name, frequency, positive_in_range, "rad/s")
     ratio = errors.number(damping_name, damping, positive_in_range)
     return np.roots([1.0, 2.0 * ratio * w, w**2]).astype(complex)
-
-
-def _per_speed(A: FloatArray, speed: float) -> FloatArray:
-    """Return A of attitude, rate, path and drift with the drift over `speed` as last state [s].
-
-    `A`: of the states with the drift [m], ``(4, 4)``. `speed`: V [m/s].
-    """
-    scale = np.array([1.0, 1.0, 1.0, speed])
-    return A * scale / scale[:, np.newaxis]
