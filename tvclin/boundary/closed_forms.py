@@ -35,19 +35,20 @@ _MAX_RATE = 1e9
 
 
 def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
-    """Return the boundary limit y of eq (12) in a triangular wind without drift, over static trim.
+    """Return the boundary limit y in a triangular wind without drift, over static trim.
 
-    `p`: fast pole times half the duration [-], positive. `K`: dead band, 0 to 1, of the same shape.
-    y = (1 - e^(-s))/(p (1 - K)) where s + c (1 - e^(-s)) = L = -ln(2 e^(-p) - e^(-2p)), c = K/(1 -
-    K), by Newton's method, which rises to s from below; y = L/p for K = 1.
+    It solves eq (12) of the report. `p`: fast pole times half the duration [-], positive. `K`: dead
+    band, 0 to 1, of the same shape. y = (1 - e^(-s))/(p (1 - K)) where s + c (1 - e^(-s)) = L =
+    -ln(2 e^(-p) - e^(-2p)), c = K/(1 - K), by Newton's method, which rises to s from below; y = L/p
+    for K = 1.
     """
     L = _minus_log_R(p)
     with np.errstate(divide="ignore"):
         c = K / (1.0 - K)
-    partly = np.where(np.isinf(c), 0.0, c)
-    s, done = L / (1.0 + partly), np.zeros(L.shape, dtype=bool)
+    finite_c = np.where(np.isinf(c), 0.0, c)  # without K = 1
+    s, done = L / (1.0 + finite_c), np.zeros(L.shape, dtype=bool)
     for _ in range(60):
-        step = (L - s + partly * np.expm1(-s)) / (1.0 + partly * np.exp(-s))
+        step = (L - s + finite_c * np.expm1(-s)) / (1.0 + finite_c * np.exp(-s))
         s = np.where(done, s, s + np.maximum(step, 0.0))
         done |= step <= 2.0 * _EPSILON * s
         if np.all(done):
@@ -58,20 +59,20 @@ def solve_triangular(p: FloatArray, K: FloatArray) -> FloatArray:
 def solve_with_drift(
     p: FloatArray, K: FloatArray, kappa: FloatArray, K1: FloatArray, rho: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Return z = p y of eq (18) in a triangular wind, and whether the iteration converged.
+    """Return z = p y of eq (18) of the report, and whether the iteration converged.
 
         K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0
 
-    y is the boundary limit over static trim, and psi(x) = (e^(-x) - 1 + x)/x^2. `p`: pole times
-    half the duration. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1). `K1`: 1 - kappa. `rho`:
-    b1/beta. All arrays have one shape. L = -ln(2 e^(-p) - e^(-2p)). For b2 <= b1 the left side
-    falls from a positive value at z = 0 and is concave, so that it has one root, below p/K and 1/(1
-    - K), which Newton's method finds inside a bracket.
+    y is the boundary limit of a triangular wind with drift, over static trim, and psi(x) = (e^(-x)
+    - 1 + x)/x^2. `p`: pole times half the duration. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1).
+    `K1`: 1 - kappa. `rho`: b1/beta. All arrays have one shape. L = -ln(2 e^(-p) - e^(-2p)). For b2
+    <= b1 the left side falls from a positive value at z = 0 and is concave, so that it has one
+    root, below p/K and 1/(1 - K), which Newton's method finds inside a bracket.
     """
     L = _minus_log_R(p)
 
     def residual(z: FloatArray) -> FloatArray:
-        """Return the left side of eq (18) at `z` = p y, in its shape, with the arguments above."""
+        """Return the left side of the equation above at `z` = p y, in its shape."""
         x = K * z
         return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
 
@@ -88,7 +89,7 @@ def solve_with_drift(
     for _ in range(100):
         x = K * z
         left = residual(z)
-        bend = moments(rho * x, 0)[..., 0]  # (x^2 psi)' = x M_0
+        bend = moments(rho * x, 0)[..., 0]  # (x^2 psi)' = x M_0, M_0(x) = (1 - e^(-x))/x
         slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * bend)
         low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
         iterate = z - left / slope
@@ -102,7 +103,10 @@ def solve_with_drift(
 
 
 def psi(x: FloatArray) -> FloatArray:
-    """Return psi(x) = (e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x), in the shape of x."""
+    """Return psi(x) = (e^(-x) - 1 + x)/x^2 = M_0(x) - M_1(x), in the shape of x.
+
+    M_k is the moment of order k, the integral of v^k e^(-x v) over v from 0 to 1.
+    """
     m = moments(x, 1)
     return np.asarray(m[..., 0] - m[..., 1])
 
@@ -152,7 +156,7 @@ def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:
 
 
 def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
-    """Return the boundary limit y_BR of a triangular wind without drift, eq (12) in closed form.
+    """Return the boundary limit y_BR of a triangular wind without drift, in closed form.
 
     Parameters
     ----------
@@ -174,10 +178,11 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
 
     Notes
     -----
-    The printed form is [1 - p y (1 - K)] e^(-p y K) = R. With c = K/(1 - K) its solution is
-    y = [1 - W(c R e^c)/c]/(p (1 - K)), W being Lambert's function; its ends are
-    y = (1 - e^(-p))^2/p for K = 0 and y = L/p for K = 1. W cancels where c is large, so it is
-    evaluated as y = (1 - e^(-s))/(p (1 - K)) with s + c (1 - e^(-s)) = L.
+    The printed form, eq (12) of Borsody and Teren, is [1 - p y (1 - K)] e^(-p y K) = R, with p =
+    tau beta/2, R = 2 e^(-p) - e^(-2p) and L = -ln R. With c = K/(1 - K) its solution is y = [1 -
+    W(c R e^c)/c]/(p (1 - K)), W being Lambert's function; its ends are y = (1 - e^(-p))^2/p for K =
+    0 and y = L/p for K = 1. W cancels where c is large, so it is evaluated as y = (1 - e^(-s))/(p
+    (1 - K)) with s + c (1 - e^(-s)) = L.
     """
     tau_beta = positive("tau_beta", tau_beta)
     K = within("dead_band", dead_band, 0.0, 1.0)
@@ -189,10 +194,10 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
 def triangular_limit_with_drift(
     tau_beta: ArrayLike, dead_band: ArrayLike, beta: ArrayLike, b1: ArrayLike, b2: ArrayLike
 ) -> Any:
-    """Return the boundary limit y_BR of a triangular wind with drift, eq (18), over static trim.
+    """Return the boundary limit y_BR of a triangular wind with drift, over static trim.
 
-    NaN without convergence. `solve_triangular_with_drift` gives the same with a status for each
-    element.
+    It solves eq (18) of Borsody and Teren; NaN without convergence. `solve_triangular_with_drift`
+    gives the same with a status for each element.
 
     Parameters
     ----------

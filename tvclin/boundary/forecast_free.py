@@ -84,11 +84,11 @@ class UnstableCoordinates:
         return first & (low < z[..., 1]) & (z[..., 1] < high)
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
-        """Return both ends [rad] of the slow coordinate's recoverable range at a fast one.
+        """Return both ends [rad] of the slow coordinate's recoverable range at a fast coordinate.
 
         They are the two paths that end at equilibrium with one switch of the full deflection.
-
-        `fast`: that one [rad]. `reach`: limit of the deflection over B [rad], at least its size.
+        `fast`: fast coordinate [rad]. `reach`: limit of the deflection over B [rad], at least its
+        size.
         """
         low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high
@@ -118,6 +118,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
             f" {poles_text(poles)}"
         )
     A, inputs, _, _ = plant.matrices()
+    # of a rigid plant: without the columns of the deflection and its rate
     rows = coordinate_rows(plant, poles, np.asarray(plant.coefficients.B))[:, : len(A)]
     from_wind = inputs[:, 1]
     return UnstableCoordinates(poles, rows, -(rows @ from_wind) / poles)

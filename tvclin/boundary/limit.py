@@ -77,15 +77,15 @@ class ExitProblem:
         """Return time [s], demand and status of the exit of the dead band, ``(...)`` each.
 
         The driver is B alpha_w, or trim if `literal`; it exits the dead band at K times the demand.
-        The demand is the constant deflection from then on that satisfies (4b), normalised by B
-        alpha_w,max. The status is `switches.JUMP` where the demand jumps over the limit as the
-        driver returns to an earlier height, and `switches.UNREACHED` where it stays above the
-        driver, so that the dead band has no exit.
+        The demand is the constant deflection from then on that satisfies eq (4b) of the report,
+        normalised by B alpha_w,max. The status is `switches.JUMP` where the demand jumps over the
+        limit as the driver returns to an earlier height, and `switches.UNREACHED` where it stays
+        above the driver, so that the dead band has no exit.
         """
         # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter
         winds, which, numbers = self._arrays
         out = np.empty((3, which.size))
-        self._run(switches.switches, self._filtering, winds, which, numbers, literal, out)
+        self._run(switches.switches, winds, which, numbers, literal, out, longer=self._filtering)
         time, demand, status = out.reshape(3, *self.shape)
         return time, demand, status
 
@@ -95,9 +95,8 @@ class ExitProblem:
         winds, which, numbers = self._arrays
         selected = np.flatnonzero(cases)
         out = np.empty(selected.size)
-        self._run(
-            switches.largest_trims, self._filtering, winds, which[selected], numbers[selected], out
-        )
+        arrays = (winds, which[selected], numbers[selected], out)
+        self._run(switches.largest_trims, *arrays, longer=self._filtering)
         trims.ravel()[selected] = out
         return trims
 
@@ -114,7 +113,7 @@ class ExitProblem:
         demands = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
         trim_filters = np.ascontiguousarray(numbers[cases, 2:])  # b1, b2 and q of each case
         work = (trim_filters, np.ascontiguousarray(poles), heights)
-        self._run(demands_at_heights, 1, winds, which[cases], *work, demands)
+        self._run(demands_at_heights, winds, which[cases], *work, demands)
         return demands if np.iscomplexobj(poles) else np.real(demands)
 
     @cached_property
@@ -140,10 +139,12 @@ class ExitProblem:
         (_, coefficients, _), _, numbers = self._arrays
         return switches.FILTERED[coefficients.dtype.kind] if np.any(numbers[:, 2:]) else 1
 
-    def _run(self, function: Any, longer: int, winds: Any, which: IndexArray, *arrays: Any) -> None:
+    def _run(
+        self, function: Any, winds: Any, which: IndexArray, *arrays: Any, longer: int = 1
+    ) -> None:
         """Run a kernel `function` over cases: the winds, the wind index `which` of each, `arrays`.
 
-        `longer`: time for a term of the sum, relative to the time where trim is the wind itself.
+        `longer`: factor on the kernel's time, which is stated for trim that is the wind itself.
         """
         knots, _, rates = winds
         terms = longer * knots.shape[-1] * rates.shape[-1] * which.size
@@ -268,6 +269,7 @@ def boundary_limit(
         with np.errstate(divide="ignore", invalid="ignore"):  # K = 0: none is enough
             limit = np.where(paired, largest_trim / K, np.where(never, largest_trim, limit))
     statuses = [~unstable, paired, never, (exit_status == switches.JUMP) & ~at_onset]
+    # index of the first status that holds; the array is as wide as the longest text that occurs
     word = np.select(statuses, range(1, 1 + len(statuses)), 0)
     status = np.array([OK, STABLE, PAIRED_POLES, NO_EXIT, JUMP][: word.max(initial=0) + 1])[word]
     return BoundaryLimit(
@@ -305,7 +307,8 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
 
     `rate`: ``(...)``, NaN where no mode is unstable. `paired`: ``(...)``, true where a complex pair
     grows comparably with the fastest real pole, or two real poles coincide, so that one limit
-    cannot satisfy both conditions (4b). Comparable is a rate above `COMPARABLE` times the real one.
+    cannot satisfy the report's condition (4b) for both. Comparable is a rate above `COMPARABLE`
+    times the real one.
     """
     poles = unstable_poles(plant)
     if not poles.shape[-1]:

@@ -269,9 +269,8 @@ class LoadLimits:
         span = nodes[-1] - nodes[0]
         wanted = span * float(np.abs(zeros).max()) * _NODES_PER_RADIAN
         more = np.linspace(nodes[0], nodes[-1], int(min(wanted, _MAX_ZERO_NODES)) + 2)
-        return LoadProgram(
-            self.case, separate_nodes(np.concatenate([nodes, more]), 1e-6 / self.case.fastest)
-        )
+        gap = 1e-6 / self.case.fastest  # [s]: nodes nearer than that are one
+        return LoadProgram(self.case, separate_nodes(np.concatenate([nodes, more]), gap))
 
     @cached_property
     def load_of_minimum(self) -> float:
@@ -280,8 +279,11 @@ class LoadLimits:
 
     @cached_property
     def minimum_load(self) -> float:
-        """Minimum load [rad] of a computed control, at any deflection."""
-        return self._minimum_load[0] if self._programmed else self.load_floor
+        """Minimum load [rad] of a computed control at any deflection, or what a jump leaves."""
+        if not self._programmed:
+            return self.load_floor
+        load, _ = self._minimum_load
+        return load
 
     @cached_property
     def load_floor(self) -> float:
@@ -452,24 +454,18 @@ class LoadLimits:
     def set_by(self, load: float, limit: float) -> str:
         """Return the label of the condition that sets a `limit` [rad] at a bound `load` [rad].
 
-        One of the minimum angle at any load, turning into the wind in time, and both together; or
-        the minimum load, where no limit is sufficient.
+        One of the minimum angle at any load, turning into the wind in time (known without M and
+        rate limit), and both together; or the minimum load, where no limit is sufficient.
         """
         if load < self.load_floor:
             return LEAST_LOAD
-        floors = {ANGLE: self.minimum_deflection, TURN: self._limit_of_turning(load)}
+        floors = {ANGLE: self.minimum_deflection}
+        if not self.case.ratio and np.isinf(self.case.rate):
+            # constant deflection [rad] that turns the vehicle into the wind in time
+            free, constant = self._responses
+            floors[TURN] = float(np.max((np.abs(free) - load) / constant, initial=0.0))
         labels = (k for k, floor in floors.items() if limit <= floor * (1.0 + _RELATIVE_TOLERANCE))
         return next(labels, BOTH)
-
-    def _limit_of_turning(self, load: float) -> float:
-        """Return the constant deflection [rad] that turns the vehicle into the wind in time.
-
-        `load`: bound [rad] of the angle of attack. Zero with a rate limit, and for another load.
-        """
-        if self.case.ratio or np.isfinite(self.case.rate):
-            return 0.0
-        free, constant = self._responses
-        return float(np.max((np.abs(free) - load) / constant, initial=0.0))
 
     @cached_property
     def _responses(self) -> tuple[FloatArray, FloatArray]:
@@ -494,6 +490,7 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
 
     `ratio`: M, load per deflection. `rate`: rate limit [rad/s]; infinite if none.
     """
+    # what is no single wind with an onset is refused by `optimum_deflection`
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     optimum = optimum_deflection(plant, wind, start if np.isfinite(start) else 0.0)
     case = LoadCase(plant, wind, optimum.deflection, ratio, rate)
@@ -530,6 +527,7 @@ def _nodes(case: LoadCase) -> FloatArray:
     width = length / count
     slowest = float(unstable.real.min()) if unstable.size else case.fastest
     last = end + _SPAN_OVER_TIME_CONSTANT / slowest
+    # sums of a geometric series of widths, up to the last node
     steps = np.arange(
         1, int(np.log1p((last - end) * (_WIDTH_RATIO - 1.0) / width) / np.log(_WIDTH_RATIO)) + 2
     )

@@ -245,10 +245,11 @@ class RateTradeOff(TradeOff):
         It is if a point of the trade-off has neither a larger rate nor a larger limit. A limit or a
         rate limit of None is no limit.
         """
-        fastest, limit = np.inf if self.rate_limit is None else self.rate_limit, self.limit
-        can = np.isfinite(self.limits) & (self.limits <= (np.inf if limit is None else limit))
-        free = self.rate_limit is None and limit is not None and self.minimum_deflection < limit
-        return free or bool(np.any(can & (self.rates <= fastest)))
+        rate = np.inf if self.rate_limit is None else self.rate_limit
+        limit = np.inf if self.limit is None else self.limit
+        within = np.isfinite(self.limits) & (self.limits <= limit) & (self.rates <= rate)
+        at_any_rate = self.rate_limit is None and self.minimum_deflection < limit < np.inf
+        return at_any_rate or bool(np.any(within))
 
     @property
     def bound_text(self) -> str:
@@ -559,6 +560,7 @@ def _case_of(plant: Plant, wind: History, acceleration: float, forecast: bool) -
 
     `acceleration`: its limit [rad/s2], maybe infinite.
     """
+    # what is no single wind with an onset is refused by `constraints_of`
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
     poles = constraints.poles
@@ -567,9 +569,14 @@ def _case_of(plant: Plant, wind: History, acceleration: float, forecast: bool) -
             "plant must have a real unstable pole as its fastest; it has"
             f" {poles_text(unstable_poles(plant))}"
         )
-    unlimited = optimum_under(constraints, start)
-    no_forecast = no_forecast_deflection(plant, wind)
-    return _Case(wind, constraints, unlimited, acceleration, no_forecast, forecast)
+    return _Case(
+        wind=wind,
+        constraints=constraints,
+        unlimited=optimum_under(constraints, start),
+        acceleration=acceleration,
+        no_forecast=no_forecast_deflection(plant, wind),
+        forecast=forecast,
+    )
 
 
 def no_forecast_deflection(plant: Plant, wind: History) -> float | None:

@@ -55,7 +55,7 @@ _MAX_ENGINES = 100
 def vectors(name: str, value: ArrayLike) -> Vectors:
     """Return `value` as complex vectors pitch + j yaw; `InputError` about `name` above 1e100."""
     rule = f"numbers up to {_MAX_SIZE:g} in size, pitch + 1j*yaw"
-    array = errors.array_of(name, value, "iufc", rule).astype(complex)
+    array = errors.array_of(name, value, "iufc", rule).astype(complex)  # any kind of number
     good = np.maximum(np.abs(array.real), np.abs(array.imag)) <= _MAX_SIZE
     if array.ndim > errors.MAX_AXES or not np.all(good):
         raise errors.InputError(f"{name} must be {rule}; got {errors.shown(value)}")

@@ -130,8 +130,8 @@ class PlanePair:
     def required_constant(self, t: FloatArray) -> Vectors:
         """Return the constant deflection [rad] required after `t` [s] of trim, pitch + j yaw.
 
-        By the residue condition (4b) it is the mean of the remaining trim with the weight p e^(-p
-        (r - t)), p being the fast pole of each plane.
+        By the residue condition (4b) of the report it is the mean of the remaining trim with the
+        weight p e^(-p (r - t)), p being the fast pole of each plane.
         """
         (p, *_), (r, *_) = self.poles
         (pitch, yaw), _ = self._remaining_integrals  # of trim
@@ -395,24 +395,19 @@ def minimum_in_planes(
     start = onset if exit_time is None else exit_time
     round_shape = isinstance(limit_shape, CircularShape)
     if starts_with_wind and pair.equal and pair.wind.unidirectional and round_shape:
-        return _along_a_line(pair)
+        direction = pair.wind.direction
+        best = optimum_deflection(pair.plants[0], pair.wind.component(direction), start=onset)
+        times = np.append(onset, best.switch_times)
+        deflections = best.deflection(times) * unit_vector(direction)
+        return _optimum(pair, times, deflections, best.certificate)
     demands = [pair.mode_demands(plane, start, not starts_with_wind) for plane in (0, 1)]
     moments = _Moments(pair, limit_shape, np.concatenate(demands))
     if starts_with_wind and pair.equal and moments.poles.size == 2:
         deflection = pair.wind_demand(np.asarray([start]))
         peak = float(limit_shape.gauge(deflection)[0])
-        proof = Certificate(peak, peak, 0.0, 0.0, 0.0)
+        proof = Certificate(primal=peak, dual=peak, gap=0.0, residual=0.0, tail=0.0)
         return _optimum(pair, np.asarray([start]), deflection, proof)
     return _optimum(pair, *_solved(moments, start))
-
-
-def _along_a_line(pair: PlanePair) -> PlaneOptimum:
-    """Return the scalar optimum of a `pair` in a wind of one direction, for a round shape."""
-    direction = pair.wind.direction
-    onset = float(pair.wind.onset)
-    best = optimum_deflection(pair.plants[0], pair.wind.component(direction), start=onset)
-    times = np.append(onset, best.switch_times)
-    return _optimum(pair, times, best.deflection(times) * unit_vector(direction), best.certificate)
 
 
 def _optimum(
@@ -570,5 +565,5 @@ def _corrected(
     violation = np.abs(d - np.real(np.conj(cells) @ deflections))
     residual = float((violation / (np.abs(cells).sum(axis=1) * peak + np.abs(d))).max())
     gap = (peak - dual) / peak
-    proof = Certificate(peak * size, dual * size, gap, residual, 0.0)
+    proof = Certificate(peak * size, dual * size, gap=gap, residual=residual, tail=0.0)
     return onset + moments.edges[:-1], deflections * size, proof

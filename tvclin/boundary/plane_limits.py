@@ -173,7 +173,9 @@ def _turning_requirement(
         )
     limit, reasons = _governing_requirement(requirements)
     notes += [warning] if warning and limit == requirements[Reason.MINIMUM] else []
-    return PlaneRequirement(limit, deflection, time, bound, minimum, (*notes, *reasons))
+    return PlaneRequirement(
+        limit, deflection, time, bound=bound, minimum=minimum, notes=(*notes, *reasons)
+    )
 
 
 def _requirement_after_trim(
@@ -277,6 +279,7 @@ def _unidirectional_requirement(
     dead band. `literal`: whether its exit is on trim, not on the wind.
     """
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
+    # K = 1: with the bound without a forecast; that after trim is for 0 < K < 1
     required = open_loop_requirements(plant, wind, 1.0, boundary)
     requirements = {name: float(size) for name, size in required.items()}
     direction = complex(unit_vector(pair.wind.direction))
@@ -298,10 +301,14 @@ def _unidirectional_requirement(
         }
     )
     notes = [] if boundary.status == OK else [str(boundary.status)]
-    y = None if reasons or not pair.equal else boundary.limit * gauge
-    minimum = requirements[Reason.MINIMUM] * largest_gauge
     return PlaneRequirement(
-        limit, deflection, float(boundary.switch_time), bound, minimum, (*notes, *reasons), y
+        limit=limit,
+        deflection=deflection,
+        time=float(boundary.switch_time),
+        bound=bound,
+        minimum=requirements[Reason.MINIMUM] * largest_gauge,
+        notes=(*notes, *reasons),
+        y=None if reasons or not pair.equal else boundary.limit * gauge,
     )
 
 

@@ -140,9 +140,9 @@ def optimum_deflection(
     Notes
     -----
     With one pole the deflection is constant, delta = beta e^(beta t1) D; with two real ones it
-    changes its sign once, eqs (C5) and (C6); with N real ones at most N - 1 times, and without
-    end for a complex pair, which is followed until the rest is below 1e-12 of the norm (the
-    deflection is zero from there on). In general it is the peak times the sign of lambda . e.
+    changes its sign once, eqs (C5) and (C6) of the report; with N real ones at most N - 1 times,
+    and without end for a complex pair, which is followed until the rest is below 1e-12 of the norm
+    (the deflection is zero from there on). In general it is the peak times the sign of lambda . e.
 
     Examples
     --------
@@ -159,7 +159,7 @@ def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
     """Return the deflection of minimum peak that satisfies `constraints`, from `start` [s] on."""
     if not np.any(constraints.demands):
         zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
-        proof = Certificate(0.0, 0.0, 0.0, 0.0, 0.0)
+        proof = Certificate(primal=0.0, dual=0.0, gap=0.0, residual=0.0, tail=0.0)
         status = NOT_EXCITED if conditions else STABLE
         return Optimum(0.0, zero, np.zeros(0), np.zeros(conditions), proof, status)
     window = Window(constraints)
@@ -176,12 +176,12 @@ def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
     norm = window.signed(multipliers).norm
     proved = abs(certificate.gap) < _MAX_GAP and certificate.residual < _MAX_GAP
     return Optimum(
-        abs(limit) if proved else max(abs(limit), certificate.dual),
-        deflection,
-        switches + start,
-        multipliers / norm,
-        certificate,
-        OK if proved else NOT_CONVERGED,
+        peak=abs(limit) if proved else max(abs(limit), certificate.dual),
+        deflection=deflection,
+        switch_times=switches + start,
+        multipliers=multipliers / norm,
+        certificate=certificate,
+        status=OK if proved else NOT_CONVERGED,
     )
 
 
@@ -266,9 +266,9 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     a second. Returned: of the shape of the batch; zero without an unstable pole, and infinite where
     the deflection does not reach one. `InputError` for a wind that is zero or never ends.
 
-    With z_i = p_i d_i, d_i of eq (C1): one pole requires ``|z|``, two real ones the reach on whose
-    edge (z_1, z_2) lies, eqs (C5), (C6); a pair the largest lambda . d over the L1 norm of lambda .
-    e, over the directions of lambda.
+    With z_i = p_i d_i of poles p_i and their demands d_i, eq (C1) of the report: one pole requires
+    ``|z|``, two real ones the reach on whose edge (z_1, z_2) lies, eqs (C5) and (C6); a pair the
+    largest lambda . d over the L1 norm of lambda . e, over the directions of lambda.
     """
     instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
@@ -311,14 +311,14 @@ def peaks_for_demands(
 ) -> FloatArray:
     """Return the minimum peaks [rad] that satisfy the demands of modes, ``(n,)``.
 
-    `poles`: `separated_poles` [1/s], the fastest first, ``(n, m)``; NaN for no pole;
-    a pair has both. `demands`: d_i of eq (C1) from the start of the control on [rad s],
-    ``(n, m)``; infinite where the deflection does not reach a pole. `sufficient`: peaks
-    [rad] as for `minimum_peaks`, ``(n,)``.
+    `poles`: `separated_poles` [1/s], the fastest first, ``(n, m)``; NaN for no pole; a pair has
+    both. `demands`: d from the start of the control on [rad s], ``(n, m)``, see below; infinite
+    where the deflection does not reach a pole. `sufficient`: peaks [rad] as for `minimum_peaks`,
+    ``(n,)``.
 
-    A demand d is the integral of e^(-p t) delta dt that cancels the mode of the pole p. One pole
-    requires ``|p d|``; two real poles and a pair have formulas; more take a search, unless
-    `sufficient` is proved to be enough.
+    A demand d, eq (C1) of the report, is the integral of e^(-p t) delta dt that cancels the mode of
+    the pole p. One pole requires ``|p d|``; two real poles and a pair have formulas; more take a
+    search, unless `sufficient` is proved to be enough.
     """
     present = ~np.isnan(poles)
     unreachable = np.any(present & ~np.isfinite(demands), axis=-1)
@@ -416,7 +416,8 @@ def _proved(
 def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """Return upper bounds [rad] of `_pair_peaks`, ``(n,)``: demands over lower bounds of the norms.
 
-    `poles`: s = sigma + j omega [1/s], ``(n,)``. `demands`: of eq (C1) [rad s], ``(n,)``.
+    `poles`: s = sigma + j omega [1/s], ``(n,)``. `demands`: integrals of e^(-s t) delta dt that
+    cancel the modes [rad s], complex ``(n,)``.
 
         integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
     """
@@ -427,8 +428,9 @@ def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
 def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """Return the minimum peaks [rad] of complex pairs ``(n,)``, by the dual.
 
-    `poles`: sigma + j omega [1/s], ``(n,)``. `demands`: d of eq (C1) [rad s], ``(n,)``. For lambda
-    of the direction phi, lambda . e = e^(-sigma u) cos(omega u + phi), and
+    `poles`: s = sigma + j omega [1/s], ``(n,)``. `demands`: d, integrals of e^(-s t) delta dt that
+    cancel the modes [rad s], complex ``(n,)``. For multipliers lambda of the direction phi the sum
+    lambda . e is e^(-sigma u) cos(omega u + phi), and
 
         peak = max over phi of |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du
     """

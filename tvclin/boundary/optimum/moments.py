@@ -131,7 +131,7 @@ def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> C
 def constraints_of(
     plant: Plant, wind: History, start: float, horizon: float | None = None
 ) -> Constraints:
-    """Return the conditions (C1) on a deflection between `start` and `horizon`.
+    """Return the conditions, eq (C1) of the report, on a deflection from `start` to `horizon`.
 
     `plant`: one plant. `wind`: one wind, which must end. `start`: first time [s] at which the
     deflection may differ from zero. `horizon`: time [s] from which the deflection is zero again;

@@ -277,7 +277,15 @@ def optimum_with_rate_limit(
     unlimited = optimum_under(constraints, float(start))
     if unlimited.peak == 0.0:
         status = NOT_EXCITED if constraints.demands.size else STABLE
-        return RateLimitedOptimum(0.0, unlimited.deflection, 0.0, 0.0, 0.0, 0.0, status)
+        return RateLimitedOptimum(
+            peak=0.0,
+            deflection=unlimited.deflection,
+            rate=0.0,
+            unlimited_peak=0.0,
+            residual=0.0,
+            change=0.0,
+            status=status,
+        )
     program, peak, change = _refined(constraints, unlimited, start, rate, steps)
     values = program.minimum_motion(peak * (1.0 + _RELATIVE_CHANGE)) if np.isfinite(peak) else None
     if values is None:

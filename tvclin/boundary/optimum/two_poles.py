@@ -31,7 +31,7 @@ def switch_time(
 
     `poles`: two different positive poles [1/s], in any order. `demands`: d_i [rad s] of the poles,
     not both zero. `horizon`: H [s]; infinite for a deflection without end. With c_i = p_i d_i, E_i
-    = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) say
+    = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) of the report say
 
         c1 (1 - 2 E2 + F2) = c2 (1 - 2 E1 + F1).
 
@@ -60,11 +60,11 @@ def switch_time(
 
 
 def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
-    """Return 1 - 2 E + F of eq (C5) as a constant and a term that moves with the switch.
+    """Return 1 - 2 E + F as a constant and a term that moves with the switch, of one pole.
 
-    E = e^(-p t) and F = e^(-p H). `pole`: p [1/s]. `t`: switch time [s]. `horizon`: H [s]. For an
-    early switch both terms are differences from t = 0 and H = 0, e^(-p H) - 1 and 2 (1 - e^(-p t)),
-    without cancellation.
+    It is the moment of a switched deflection times p, E = e^(-p t) and F = e^(-p H). `pole`: p
+    [1/s]. `t`: switch time [s]. `horizon`: H [s]. For an early switch both terms are differences
+    from t = 0 and H = 0, e^(-p H) - 1 and 2 (1 - e^(-p t)), without cancellation.
     """
     if pole * t < 0.5:
         return math.expm1(-pole * horizon), -2.0 * math.expm1(-pole * t)
@@ -72,7 +72,7 @@ def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
 
 
 def switch_variable(y: float, ratio: float) -> float:
-    """Return x = e^(-beta2 t_s) in [0, 1], t_s being the switch time, the solution of eq (C6).
+    """Return x = e^(-beta2 t_s) in [0, 1], t_s being the switch time, by eq (C6) of the report.
 
     `y`: beta1 D1/(beta2 D2), of any sign and size, of slow pole beta1, fast pole beta2 [1/s] and
     demands D1 and D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, between 0 and 1.
@@ -95,8 +95,9 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
 
     `y`: beta1 D1/(beta2 D2), positive, of slow pole beta1, fast pole beta2 [1/s] and demands D1 and
     D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, slow pole over fast, below 1. It follows from
-    one step of eq (C6) at x = 1/2; printed is (y - 1)/(2y), which is too small. For y -> infinity
-    the peak goes to beta1 D1/(2^(1 - r) - 1). `InputError` for values outside.
+    one step of eq (C6) of the report, 2 x^r - 2 x y = 1 - y, at x = 1/2; printed is (y - 1)/(2y),
+    which is too small. For y -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1). `InputError`
+    for values outside.
     """
     y, r = positive("y", y), _checked_ratio(ratio)
     together(y=y, ratio=r)
@@ -106,7 +107,7 @@ def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
 def longest_single_pole_duration(
     beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
 ) -> Any:
-    """Return the duration tau [s] of a triangular wind at which y = 1, by eq (C8).
+    """Return the duration tau [s] of a triangular wind at which y = 1, by eq (C8) of the report.
 
         y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
 
@@ -140,11 +141,13 @@ def longest_single_pole_duration(
 def duration_without_fast_pole(
     beta1: ArrayLike, beta2: ArrayLike, K1_ratio: ArrayLike = 1.0
 ) -> Any:
-    """Return the duration tau [s] at which y = 1 by eq (C9), which neglects e^(-tau beta2/2).
+    """Return the duration tau [s] at which y = 1 if e^(-tau beta2/2) is neglected, eq (C9).
 
         1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
 
-    Same parameters as `longest_single_pole_duration`; NaN where y is never 1.
+    y is the peak that the slow pole beta1 requires in a triangular wind over that of the fast pole
+    beta2 (report, appendix C). Same parameters as `longest_single_pole_duration`; NaN where y is
+    never 1.
 
     Examples
     --------
