@@ -62,13 +62,13 @@ class AutopilotRequirement:
     def sufficient(self, limit: float) -> bool | None:
         """Return whether a limit [rad] is sufficient; None if that is not known.
 
-        It is not known for a limit that covers the nominal requirement, but not that in a head wind
-        which sets the required deflection.
+        It is not known where a head wind sets the required deflection, for a limit that covers the
+        requirement at nominal dynamic pressure, but not that in the head wind.
         """
-        nominal = bool(covers(limit, self.nominal_deflection))
-        if nominal and self.head_counts:
+        sufficient_nominal = bool(covers(limit, self.nominal_deflection))
+        if sufficient_nominal and self.head_counts:
             return True if self.head is not None and covers(limit, self.deflection) else None
-        return nominal
+        return sufficient_nominal
 
 
 def autopilot_requirement(
@@ -77,12 +77,13 @@ def autopilot_requirement(
     """Return the autopilot requirement of a case, in its plane alone.
 
     `plant` and `autopilot` are what flies; `need` is the requirement of the case, None where it has
-    none, as in a sounding, whose requirement is that at nominal dynamic pressure. `InputError` as
-    `closed_loop_boundary`.
+    none, as in a sounding, whose requirement is that at nominal dynamic pressure. `InputError` for
+    a law or hardware that cannot be flown, as of `closed_loop_boundary`.
     """
-    nominal = autopilot_boundary(case, plant, autopilot)
     return AutopilotRequirement(
-        nominal, head_wind_boundary(case, autopilot, need), counts_head(need)
+        nominal=autopilot_boundary(case, plant, autopilot),
+        head=head_wind_boundary(case, autopilot, need),
+        head_counts=counts_head(need),
     )
 
 
@@ -99,8 +100,8 @@ def head_wind_boundary(
 ) -> ClosedLoopBoundary | None:
     """Return the boundary of an autopilot at the peak of a head wind; None if not flown.
 
-    `need`: requirement of the wind of `case`; None where none is defined. `plane_ratio`: see
-    `autopilot_boundary`.
+    `need`: requirement of the wind of `case`; None where none is defined. `plane_ratio`: limit of
+    both planes over that of this plane. None also where the dynamic pressure is not known.
     """
     if need is None or not counts_head(need):
         return None
@@ -116,11 +117,11 @@ def autopilot_boundary(
     """Return the boundary of an autopilot, flown with the hardware and the wind of a case.
 
     `plant`: vehicle to be flown. `plane_ratio`: limit of both planes over that of this plane, by
-    which the limit in question is divided.
+    which the limit of the nozzle, up to which limits are tried, is divided.
     """
-    fraction = (case.nozzle.limit or 0.0) / plane_ratio
+    highest_limit = (case.nozzle.limit or 0.0) / plane_ratio  # [rad]
     law = SaturatedLaw.of(autopilot)
-    return stop_boundary(plant, law, case.history, fraction, case.hardware)
+    return stop_boundary(plant, law, case.history, highest_limit, case.hardware)
 
 
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:

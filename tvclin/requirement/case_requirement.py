@@ -248,7 +248,7 @@ class CaseRequirement:
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
         if self.beyond_linear:
-            # the largest wind of this shape for which anything is known
+            # `judged` of the largest wind of this shape for which anything is known
             size = MAX_LINEAR_ANGLE / self.wind_angle
             linear = replace(self.case, wind=self.placed.scaled(size))
             judged = case_requirement(linear, self.dead_band).judged
@@ -256,6 +256,7 @@ class CaseRequirement:
         if self.unknown:
             sufficient = None if covers(limit, needed) else False
             return {"sufficient": sufficient, "survivable_peak": None}
+        # factor on the wind that the limit survives, if the requirement is in proportion to it
         size = limit / needed if needed else np.inf
         if not self.at_nominal_pressure and _MIN_SIZE < size < np.inf:
             largest = MAX_LINEAR_ANGLE / self.wind_angle
@@ -278,16 +279,17 @@ class CaseRequirement:
 
 
 def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
-    """Return the requirement of a wind of one shape on a case; it raises as `Study.of`.
+    """Return the requirement of a wind of one shape on the nozzle of a case.
 
-    `dead_band`: K, from 0 to 1.
+    `dead_band`: K, from 0 to 1. `InputError` for a wind that is not of one shape, a batch, a limit
+    of both planes without a direction of the wind, and a sign whose effect is not known.
     """
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)
     limit_shape = (
         None if case.nozzle.limit_shape is None else limit_shape_of(case.nozzle.limit_shape)
     )
-    in_plane, planes = case.wind_in_plane_at(K), None
+    in_plane, planes = case.wind_in_plane_at(K), None  # its gust is at the worst time for K
     assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:
         vehicle = complete_vehicle(case.vehicle, "a wind with a direction")
@@ -300,9 +302,21 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
         )
     plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), in_plane.history({})
     required = required_deflection(plant, history, K)
-    if beyond_linear(float((planes or history).peak)):
-        required, planes = _unknown(required), planes and _unknown_planes(planes)
-    need = CaseRequirement(case, K, in_plane, required, planes, {}, "")
+    if beyond_linear(float((planes or history).peak)):  # nothing is known: NaN
+        unknown = dict.fromkeys(required.needs, np.nan)
+        required = replace(required, deflection=np.nan, needs=unknown)
+        if planes is not None:
+            separate = dict.fromkeys(planes.separate, np.nan)
+            planes = replace(planes, deflection=np.nan, separate=separate)
+    need = CaseRequirement(
+        case=case,
+        dead_band=K,
+        wind_in_plane=in_plane,
+        requirement=required,
+        planes=planes,
+        encountered={},
+        encountered_unknown="",
+    )
     if not np.isfinite(required.deflection):
         return need
     try:
@@ -326,16 +340,6 @@ def study_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement | N
     return None if np.isnan(need.required_deflection) else need
 
 
-def _unknown(required: RequiredDeflection) -> RequiredDeflection:
-    """Return the requirement `required` with NaN [rad], for winds beyond linear aerodynamics."""
-    return replace(required, deflection=np.nan, needs=dict.fromkeys(required.needs, np.nan))
-
-
-def _unknown_planes(planes: TwoPlaneRequirement) -> TwoPlaneRequirement:
-    """Return a requirement of both planes with NaN [rad], for winds beyond linear aerodynamics."""
-    return replace(planes, deflection=np.nan, separate=dict.fromkeys(planes.separate, np.nan))
-
-
 def pulse_of(case: Case) -> ShapedWind:
     """Return the wind of a case; `InputError` for one that is not of one shape."""
     if not isinstance(case.wind, ShapedWind):
@@ -349,10 +353,10 @@ def pulse_of(case: Case) -> ShapedWind:
 def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     """Return required deflections [rad] of a case in `size` times its wind, by direction.
 
-    `need`: requirement of the case at nominal dynamic pressure. For both planes the larger of the
-    requirement of the planes by themselves, as a limit of the limit shape, and of the requirement
-    of the vector at nominal dynamic pressure times the larger ratio of encountered to nominal
-    requirement of the planes.
+    `need`: requirement of the case at nominal dynamic pressure. Where both planes are judged it is
+    the larger of two limits: that which contains what each plane requires alone, and that of the
+    wind vector at nominal dynamic pressure, raised by the ratio of encountered to nominal pressure
+    in the requirement of the worse plane. Empty where the nominal pressure is to count.
     """
     if need.sign == FROZEN:
         return {}
@@ -384,7 +388,7 @@ def survived_size(
     The requirement is taken to rise with the factor; the factor returned is survived.
     `required`: required deflection [rad] of the wind itself; `need`: function that returns it of a
     factor. `largest`: factor beyond which nothing is known, at least one; returned where it is
-    survived.
+    survived. The root is bracketed from the wind itself, at the logarithm 0, outwards.
     """
     from scipy.optimize import brentq
 
@@ -399,12 +403,12 @@ def survived_size(
     if abs(first) < _SIZE_TOLERANCE:
         return 1.0
     most = float(np.log(largest))
-    end = min(first, most)
-    if end < most and excess(end) * first <= 0.0:
+    end = min(first, most)  # other end of the bracket
+    if end < most and excess(end) * first <= 0.0:  # no change of sign up to here
         end = min(2.0 * first, most)
-    while first < 0.0 < excess(end):
+    while first < 0.0 < excess(end):  # towards smaller winds
         end *= 2.0
-    if excess(end) < 0.0 < first:
+    if excess(end) < 0.0 < first:  # the largest factor tried is survived
         return float(np.exp(end))
     root = brentq(excess, 0.0, end, xtol=_SIZE_TOLERANCE)
-    return float(np.exp(root - _SIZE_TOLERANCE))  # survived, not nearly so
+    return float(np.exp(root - _SIZE_TOLERANCE))  # on the side that survives

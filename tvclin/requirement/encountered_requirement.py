@@ -51,9 +51,9 @@ def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
     if case.heading is not None:
         if case.sign is not None:
             raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
-        along, _ = _heading_cosines(case.heading)
+        along, _ = _heading_cosines(case.heading)  # positive from behind
         along *= float(np.sign(getattr(case.wind, "peak", 1.0)))  # a negative peak reverses it
-        return (CROSS if along == 0.0 else next(k for k, s in SIGNS.items() if s * along > 0.0),)
+        return (CROSS if along == 0.0 else "tail" if along > 0.0 else "head",)
     if (plane or case.plane) == "yaw":
         return (CROSS,)
     return tuple(SIGNS) if case.sign is None else (case.sign,)
@@ -87,44 +87,50 @@ def encountered_wind(
     plane : str
         Plane of the wind angles of attack.
     name : str
-        Direction of the wind, one of `directions_of`.
+        Direction of the wind: head, tail or cross, one of `directions_of`.
     size : float
         Factor on the wind.
     values : mapping, optional
-        Dispersed peaks and durations of cases; see `ShapedWind.history`.
+        Dispersed peaks [rad] and durations [s] of cases; see `ShapedWind.history`.
 
     """
     values = values or {}
     path, velocity = np.asarray(vehicle.attitude), np.asarray(vehicle.velocity)
     peak = np.asarray(values.get("wind_peak", wind.peak))
     # angles and speeds are made positive here; their fractions in both planes have the signs
-    positive = size * np.sign(peak)
+    factor = size * np.sign(peak)
+    # wind and gust are each known by the angle [rad], or by the speed over that of the vehicle
+    angle: History | None = None
+    speed: History | None = None
     base = replace(wind, gust=None, heading=None).history(dict(values))
-    parts: dict[bool, History | None] = {True: None, False: None}  # by whether the speed is known
-    wind_known = wind.speed is not None
-    # of a wind by its speed the history is the speed over that of the vehicle, else the angle [rad]
-    parts[wind_known] = base * (
-        positive if wind.speed is None else positive * wind.speed / (wind.peak * velocity)
-    )
+    if wind.speed is None:
+        angle = base * factor
+    else:
+        speed = base * (factor * wind.speed / (wind.peak * velocity))
     gust = wind.gust_history(values)
-    if gust is not None:
-        wind_known, at = wind.gust_speed is not None, positive
-        if wind.gust_speed is not None:
-            at = positive * wind.gust_speed / (float(gust.peak) * velocity)
-        pulse = parts[wind_known]
-        parts[wind_known] = gust * at if pulse is None else pulse + gust * at
+    if gust is not None and wind.gust_speed is None:
+        angle = gust * factor if angle is None else angle + gust * factor
+    elif gust is not None and wind.gust_speed is not None:
+        gust = gust * (factor * wind.gust_speed / (float(gust.peak) * velocity))
+        speed = gust if speed is None else speed + gust
     if wind.heading is not None:
-        angles = angles_from_vector_size(
-            peak, wind.heading, path
-        )  # a negative peak blows the other way
-        of_angle = angles[0] / np.abs(peak), angles[1] / np.abs(peak)
+        # a negative peak blows the other way
+        in_pitch, in_yaw = angles_from_vector_size(peak, wind.heading, path)
+        of_angle = in_pitch / np.abs(peak), in_yaw / np.abs(peak)
         along, across = _heading_cosines(wind.heading)
         sign = float(np.sign(wind.peak))
         of_speed = sign * along, sign * across
     else:
         of_speed = (0.0, 1.0) if name == CROSS else (SIGNS[name], 0.0)
         of_angle = np.asarray(of_speed[0]), np.asarray(of_speed[1])
-    return EncounteredWind(plane, path, parts[False], parts[True], of_angle, of_speed)
+    return EncounteredWind(
+        plane=plane,
+        path=path,
+        angle=angle,
+        speed=speed,
+        of_angle=of_angle,  # fractions in pitch and yaw
+        of_speed=of_speed,  # fractions along the path and across
+    )
 
 
 def encountered_requirement(
@@ -141,7 +147,8 @@ def encountered_requirement(
     Parameters
     ----------
     wind, vehicle, plane, name, size
-        See `encountered_wind`.
+        Wind with its heading and speeds, vehicle, plane of the angles, direction of the wind, such
+        as "head", and factor on the wind, as of `encountered_wind`.
     model : str
         Model of the motion.
     dead_band : float
@@ -150,8 +157,8 @@ def encountered_requirement(
     Raises
     ------
     InputError
-        As `encountered_wind` and `EncounteredWind.check_linear`, and for a wind too long to be
-        followed.
+        Where no horizontal wind has the angle, for angles beyond linear aerodynamics, and for a
+        wind too long to be followed.
     """
     equations = Equations.frozen(vehicle, model, plane)
     encountered = encountered_wind(wind, vehicle, plane, name, size)
@@ -171,7 +178,7 @@ def encountered_requirements(
     wind : ShapedWind
         The wind of the case with its heading, its gust at its time.
     dead_band, size
-        See `encountered_requirement`.
+        K in [0, 1], and factor on the wind.
 
     Raises
     ------
@@ -209,9 +216,9 @@ def largest_pressure(
     """
     encountered = encountered_wind(wind, vehicle, plane, name, size)
     encountered.check_possible()
-    # the model sets the steps alone: the ratio is that of the wind triangle
+    # the equations set the steps alone: the ratio is that of the wind triangle
     equations = Equations.frozen(vehicle, "fixed-path", plane)
-    _, _, ratio = encountered_at_steps(equations, encountered)
+    _times, _wind, ratio = encountered_at_steps(equations, encountered)
     return float(ratio.max())
 
 
@@ -273,11 +280,16 @@ def encountered_batch(
 
 
 def _of_ensemble(winds: History, vehicle: Vehicle, plane: str) -> EncounteredWind:
-    """Return measured winds, whose angles have their sign along the path, as encountered.
+    """Return measured winds as encountered: in pitch they blow along the path, in yaw across it.
 
-    `vehicle`: vehicle, or batch of the winds. `plane`: plane of their angles.
+    `winds`: wind angles [rad], with their signs. `vehicle`: vehicle, or batch of the winds.
     """
-    in_pitch = float(plane == "pitch")
-    direction = np.asarray(in_pitch), np.asarray(1.0 - in_pitch)
-    path = np.asarray(vehicle.attitude)
-    return EncounteredWind(plane, path, winds, None, direction, (in_pitch, 1.0 - in_pitch))
+    along, across = (1.0, 0.0) if plane == "pitch" else (0.0, 1.0)
+    return EncounteredWind(
+        plane=plane,
+        path=np.asarray(vehicle.attitude),
+        angle=winds,
+        speed=None,
+        of_angle=(np.asarray(along), np.asarray(across)),
+        of_speed=(along, across),
+    )

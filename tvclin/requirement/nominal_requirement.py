@@ -137,7 +137,7 @@ def required_deflection(
     K = within("dead_band", dead_band, 0.0, 1.0)
     boundary = boundary_limit(plant, wind, K, "literal")
     needs = open_loop_requirements(plant, wind, K, boundary)
-    law_wind = wind
+    law_wind = wind  # wind through which the limited trim law is flown
     if two_sided is not None:
         instance("two_sided", two_sided, History, "the wind with both signs")
         if two_sided.batch != wind.batch:
@@ -150,13 +150,14 @@ def required_deflection(
     open_loop = np.max(list(needs.values()), axis=0)
     rate, paired = leading_pole(plant)  # fastest unstable pole [1/s], NaN without; whether a pair
     single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)
-    # cases in which the limited trim law may require more than the open-loop requirements
-    limited = (K == 1.0) & single_pole
+    # cases in which the trim law may require more than the open-loop requirements: with K = 1,
+    # on a fixed path only where the wind rises a second time; with K < 1 on a quick path
+    without_hold = (K == 1.0) & single_pole
     if plant.model == "fixed-path" and two_sided is None:
-        limited = limited & _has_second_rise(wind)
-    second_rise = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
-    cases = np.broadcast_to(limited | second_rise, open_loop.shape)
-    law = np.zeros(open_loop.shape)
+        without_hold = without_hold & _has_second_rise(wind)
+    with_hold = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
+    cases = np.broadcast_to(without_hold | with_hold, open_loop.shape)
+    law = np.zeros(open_loop.shape)  # requirement of the trim law [rad], zero in other cases
     for value in np.unique(K).tolist():
         winds = law_wind if value == 1.0 else wind
         law += _trim_law(plant, winds, cases & (value == K), value)
@@ -175,11 +176,11 @@ def required_deflection(
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
         limit = np.where(required == 0.0, 0.0, required / np.abs(full))
     return RequiredDeflection(
-        plain(limit),
-        plain(np.asarray(np.copysign(required, full))),
-        governs.astype(str) if governs.ndim else Reason(governs.item()),
-        {name: plain(np.asarray(need)) for name, need in needs.items()},
-        boundary.status,
+        limit=plain(limit),
+        deflection=plain(np.asarray(np.copysign(required, full))),
+        governs=governs.astype(str) if governs.ndim else Reason(governs.item()),
+        needs={name: plain(np.asarray(need)) for name, need in needs.items()},
+        status=boundary.status,
     )
 
 
@@ -187,21 +188,22 @@ def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> Bo
     """Return whether `required_deflection` may be zero or infinite, ``(...)``, without flights.
 
     `plant` and `wind` are a batch or one each. `dead_band`: K, from 0 to 1. The limited trim law
-    requires an infinite limit on a quick path alone: else its flights end with the wind, where the
-    highest limit, above all trim and above the demand at the end, is sufficient (`time_varying`).
+    requires an infinite limit on a quick path alone: else its flights end with the wind, and a
+    limit above all trim, and above what holds the vehicle at the end, is sufficient.
     """
     boundary = boundary_limit(plant, wind, dead_band, "literal")
-    counted = 1.0 if dead_band == 1.0 else 0.0  # the minimum after trim, 0 < K < 1, is finite
+    # the minimum after trim, for 0 < K < 1, is finite: K = 0 omits it
+    counted = 1.0 if dead_band == 1.0 else 0.0
     needs = open_loop_requirements(plant, wind, counted, boundary)
     largest = np.max(list(needs.values()), axis=0)
     return np.asarray((largest == 0.0) | ~np.isfinite(largest) | has_quick_path(plant))
 
 
 def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -> FloatArray:
-    """Return the required deflections [rad] of the trim law with K in some cases, else zero.
+    """Return the required deflections [rad] of the trim law with a dead band, else zero.
 
     `plant`, `wind`: of the batch. `cases`: whether a case is computed, of the shape of the batch.
-    `dead_band`: K, above zero.
+    `dead_band`: K, above zero. A wind too long to be followed requires the largest trim over K.
     """
     which = np.flatnonzero(cases)
     if not which.size:
@@ -335,10 +337,11 @@ class KnownWind(Shown):
         horizon: float | None = None,
         rate_limit: float | None = None,
     ) -> Self:
-        """Return the optimum of a plant in a wind; arguments and errors of its two functions.
+        """Return the minimum peak of a plant in a wind that is known.
 
         `start`: first time [s] of the deflection. `horizon`: time [s] from which it is zero, by
-        default never. `rate_limit` [rad/s]: also with this limit.
+        default never. `rate_limit` [rad/s]: also with this limit. `InputError` as
+        `optimum_deflection` and `optimum_with_rate_limit`.
         """
         best = optimum_deflection(plant, wind, start, horizon)
         if rate_limit is None:
@@ -382,8 +385,8 @@ class KnownWind(Shown):
         deflection = self.best.deflection
         if np.isinf(deflection.onset):
             return "none"
-        first = np.sign(deflection(np.nextafter(deflection.onset, np.inf)))
-        against = -np.sign(self.plant.coefficients.B * self.wind.peak)
+        first = np.sign(deflection(np.nextafter(deflection.onset, np.inf)))  # just after the onset
+        against = -np.sign(self.plant.coefficients.B * self.wind.peak)  # sign of trim
         return "opposes the wind" if first == against else "goes with the wind"
 
     def as_dict(self) -> dict[str, Any]:
@@ -397,7 +400,7 @@ class KnownWind(Shown):
         """Return the table of the required deflection by dead band, ``(n,)``, and of the minimum.
 
         `caption`: its caption. `required`: requirement of the wind at these dead bands, or None.
-        What sets it has a column where that is not the boundary of the control throughout.
+        The last column, what sets it, is dropped where that is always the boundary of the control.
         """
         head: tuple[str, ...] = ("dead band", "required [deg]", "over trim", "set by")
         rows: list[tuple[Line, ...]] = []
@@ -409,7 +412,8 @@ class KnownWind(Shown):
         fraction = np.nan if self.fraction_of_trim is None else self.fraction_of_trim
         minimum = degrees("optimum.peak", self.best.peak), number("optimum.fraction", fraction)
         rows.append(((WIND_KNOWN,), *minimum, (str(Reason.MINIMUM),)))
-        if all(row[-1] == (str(Reason.BOUNDARY),) for row in rows[:-1]):
+        *requirements, _minimum = rows
+        if all(set_by == (str(Reason.BOUNDARY),) for *_, set_by in requirements):
             head, rows = head[:-1], [row[:-1] for row in rows]
         return Table(caption, head, tuple(rows))
 

@@ -69,7 +69,7 @@ def vector_requirements(
         return VectorRequirement(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
     if isinstance(limit_shape, CircularShape):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
-    else:
+    else:  # the gauge of -B times the wind angles of both planes, at the times of its shape
         trim = float(limit_shape.gauge(pair.moment_driver(pair.times())).max())
     return VectorRequirement(
         trim=trim,
@@ -90,7 +90,7 @@ def rectangle(limit_shape: LimitShape, pitch: ArrayLike, yaw: ArrayLike) -> Floa
     finite = (np.abs(x) < _MAX_FINITE_RAD) & (np.abs(y) < _MAX_FINITE_RAD)
     a, b = np.where(finite, x, 0.0), np.where(finite, y, 0.0)
     corners = np.stack([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b])
-    return np.where(finite, limit_shape.gauge(corners).max(axis=0), x + y)
+    return np.where(finite, limit_shape.gauge(corners).max(axis=0), x + y)  # inf or NaN as x and y
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,10 +120,10 @@ class TwoPlaneRequirement:
         return float(self.wind.peak)
 
     def ratio_to(self, plane: str) -> float:
-        """Return the ratio of the limit of both planes to a plane's, for a wind with a heading.
+        """Return the ratio of the limit of both planes to the limit of one `plane`, pitch or yaw.
 
-        The other plane is the same loop in the same wind, and its deflections have the ratio of the
-        peaks. `plane`: pitch or yaw.
+        For a wind with a heading: the other plane is taken for the same loop in the same wind, so
+        that the limits of both planes have the ratio of the peaks of the wind.
         """
         peaks = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
         return float(rectangle(self.limit_shape, peaks["pitch"], peaks["yaw"])) / peaks[plane]
@@ -190,7 +190,8 @@ def _vector(
     """Return the required limit [rad] of one wind vector of a batch, at least `by_planes` [rad].
 
     `plants`: plants by plane. `limit_shape`: limit in both planes. `dead_band`: K, from 0 to 1.
-    `case`: flat position of the vector in the batch of this `shape`.
+    `by_planes`: limit sufficient for each plane alone. `case`: flat position of the vector in the
+    batch of this `shape`.
     """
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
     from tvclin.boundary.plane_limits import vector_requirement
@@ -223,19 +224,19 @@ def heading_requirement(
 
 
 def direction_notes(
-    planes: TwoPlaneRequirement | None, plane: str, judged: bool, calm: bool
+    planes: TwoPlaneRequirement | None, plane: str, both_judged: bool, at_nominal_pressure: bool
 ) -> Iterator[str]:
     """Yield notes on the effect of the direction of a wind; none without a direction.
 
-    `planes`: requirement of both planes; None without a direction. `judged`: whether the verdict is
-    on both planes, or on `plane` alone. `calm`: whether the nominal dynamic pressure counts, at
-    which `planes` are.
+    `planes`: requirement of both planes at nominal dynamic pressure; None without a direction.
+    `both_judged`: whether the verdict is on both planes, or on `plane` alone.
+    `at_nominal_pressure`: whether the verdict is at nominal dynamic pressure too.
     """
     if planes is None:
         return
     missing = 100.0 * planes.omitted_fraction(plane)
-    if not judged:
-        air = "" if calm else " at nominal dynamic pressure"
+    if not both_judged:
+        air = "" if at_nominal_pressure else " at nominal dynamic pressure"
         yield (
             f"this wind blows in both planes: with a round stop they need"
             f" {np.degrees(planes.deflection):.3f} deg{air}, {missing:.0f} % of which"
@@ -250,11 +251,11 @@ def direction_notes(
 
 
 def omitted_fraction(separate: ArrayLike, both_planes: ArrayLike) -> FloatArray:
-    """Return the fraction of the requirement of both planes that one omits; zero without any.
+    """Return the fraction of the requirement of both planes that one plane alone omits.
 
     `separate`: requirement of the plane by itself [rad]. `both_planes`: that of both, in any shapes
-    that broadcast.
+    that broadcast. Zero where that is zero, NaN where it is NaN.
     """
     plane, planes = np.asarray(separate, dtype=float), np.asarray(both_planes, dtype=float)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(planes > 0.0, 1.0 - plane / planes, 0.0 * planes)
+        return np.where(planes > 0.0, 1.0 - plane / planes, 0.0 * planes)  # 0 times NaN is NaN

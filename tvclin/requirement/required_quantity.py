@@ -101,9 +101,13 @@ TRIM, NO_FORECAST, MINIMUM = (
 
 
 def heading_of(label: str) -> str:
-    """Return the heading of a requirement in tables, figures and notes, by its label."""
-    name, comma, kind = label.partition(", ")
-    return f"{_HEADINGS.get(name, name)}{comma}{kind}"
+    """Return the heading of a requirement in tables, figures and notes, by its label.
+
+    Some quantities have a heading of their own; what follows the first comma of the label, as
+    ", varying, head wind", stays.
+    """
+    name, comma, suffix = label.partition(", ")
+    return f"{_HEADINGS.get(name, name)}{comma}{suffix}"
 
 
 def in_wind(direction: str) -> str:

@@ -34,7 +34,7 @@ from tvclin.requirement.plane_requirement import direction_notes
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.vehicle.vehicle import vehicle_warnings as slips
+from tvclin.vehicle.vehicle import vehicle_warnings as warnings_by_number
 from tvclin.winds.histories import History
 from tvclin.winds.shaped import SHAPES, ShapedWind
 from tvclin.winds.wind_angles import (
@@ -68,7 +68,7 @@ def vehicle_warnings(vehicle: AnyVehicle) -> Iterator[str]:
                 " mu_delta, and a long wind may require more"
             )
     else:
-        yield from slips(vehicle)
+        yield from warnings_by_number(vehicle)
 
 
 def uncounted_sign(sign: str | None) -> str:
@@ -77,9 +77,10 @@ def uncounted_sign(sign: str | None) -> str:
 
 
 def along_the_path(need: CaseRequirement) -> Iterator[str]:
-    """Yield a note on a sign of a cross wind, or a changed pressure in the pitch plane.
+    """Yield notes: a sign is not counted in a cross wind; the dynamic pressure is the nominal one.
 
-    `need`: requirement of the wind of the study.
+    `need`: requirement of the wind of the study. The second is for a wind in the pitch plane so
+    large that its change of the pressure counts, where that was not, or could not be, computed.
     """
     if need.sign in SIGNS and need.direction == CROSS:
         yield uncounted_sign(need.sign)
@@ -115,7 +116,7 @@ def nominal_pressure(case: Case) -> Iterator[str]:
 def gust_placed(specified: ShapedWind, placed: ShapedWind) -> Iterator[str]:
     """Yield a note on the time of a gust that was placed where it requires most.
 
-    `specified`: wind of the case. `placed`: wind with its gust at that time.
+    `specified`: wind of the case. `placed`: the same wind with its gust at that time.
     """
     if specified.gust_at is None and placed.gust_at is not None:
         yield (
@@ -138,11 +139,12 @@ def slow_or_paired(
             " left (tvclin boundary shows the minimum)"
         )
         return
-    edge = float(single_pole_validity(plant.coefficients))
+    longest = float(single_pole_validity(plant.coefficients))  # duration [s]
+    # with K = 1 the limited trim law was flown, which has all modes of the model
     flown = dead_band == 1.0 and plant.model not in ONE_POLE
-    if wind.end - wind.onset > edge and required.governs == Reason.BOUNDARY and not flown:
+    if wind.end - wind.onset > longest and required.governs == Reason.BOUNDARY and not flown:
         yield (
-            f"a wind of more than {edge:.1f} s {OUTLASTS}: the slow mode of the flight path may"
+            f"a wind of more than {longest:.1f} s {OUTLASTS}: the slow mode of the flight path may"
             " then require more (tvclin boundary)"
         )
 
@@ -152,14 +154,15 @@ def unstable_modes_omitted(plant: Plant, modes: dict[str, Modes]) -> Iterator[st
 
     `modes`: unstable modes by model.
     """
-    name = DEFAULT_MODEL
-    if plant.model not in ONE_POLE or name not in modes:
+    exact = DEFAULT_MODEL
+    if plant.model not in ONE_POLE or exact not in modes:
         return
-    more = modes[name].poles.size > modes[plant.model].poles.size
+    more = modes[exact].poles.size > modes[plant.model].poles.size
+    # where the longest wind of the single-pole theory is known, `slow_or_paired` has a note
     if more and np.isnan(single_pole_validity(plant.coefficients)):
         yield (
             f"the exact model has unstable modes that {plant.model} leaves out, and may need more"
-            f" (--model {name})"
+            f" (--model {exact})"
         )
 
 
@@ -189,13 +192,15 @@ def undamped(
     to 1.
     """
     c = plant.coefficients
-    if dead_band == 1.0 or np.any(c.damping) or float(c.mu_alpha) <= 0.0:
+    mu_alpha = float(c.mu_alpha)  # [1/s^2]
+    if dead_band == 1.0 or np.any(c.damping) or mu_alpha <= 0.0:
         return
-    if float(wind.end - wind.onset) * float(c.pole) <= _MAX_DURATION_TIME_CONSTANTS:
+    pole = float(c.pole)  # [1/s]
+    if float(wind.end - wind.onset) * pole <= _MAX_DURATION_TIME_CONSTANTS:
         return
-    slower = (1.0 - _POLE_REDUCTION) * float(c.pole)
+    slower = (1.0 - _POLE_REDUCTION) * pole
     # the pole p of a vehicle with the damping d has p (p + d) = mu_alpha
-    damped = c.replace(damping=float(c.mu_alpha) / slower - slower)
+    damped = c.replace(damping=mu_alpha / slower - slower)
     needed = required_deflection(Plant(damped, plant.model), wind, dead_band)
     damped_limit, undamped_limit = (abs(float(r.deflection)) for r in (needed, required))
     if damped_limit > undamped_limit * (1.0 + ROUNDING):
@@ -380,31 +385,31 @@ class Study(CaseRequirement, Shown):
         shown = {name: plants[name] for name in ("fixed-path", with_drift) if name in plants}
         plant = plants.get(model) or Plant.from_vehicle(case.vehicle, model, case.plane)
         modes = {name: unstable_modes(plant_of_model) for name, plant_of_model in plants.items()}
-        required = _bounds_by_model(shown, history, dead_bands, switch)
-        plant_wind_requirement = plant, history, need.requirement, need.dead_band
-        judged = need.judged
+        bounds = _bounds_by_model(shown, history, dead_bands, switch)
+        required, K, judged = need.requirement, need.dead_band, need.judged
+        # wind angle [rad] at the survivable peak, with a heading that of the vector of both planes
         survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
-        free, nominal = required["forecast_free"].get(plant.model), need.at_nominal_pressure
-        notes = (
+        notes = [
             linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
-            slow_or_paired(*plant_wind_requirement),
+            slow_or_paired(plant, history, required, K),
             unstable_modes_omitted(plant, modes),
-            () if need.beyond_linear else forecast_trusted(*plant_wind_requirement[2:], free),
-            () if need.beyond_linear else undamped(*plant_wind_requirement),
             vehicle_warnings(case.vehicle),
             gust_placed(pulse_of(case), need.wind_in_plane),
-            () if need.beyond_linear else along_the_path(need),
-            ()
-            if need.beyond_linear
-            else direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
-        )
+        ]
+        if not need.beyond_linear:
+            free, nominal = bounds["forecast_free"].get(plant.model), need.at_nominal_pressure
+            notes[3:3] = forecast_trusted(required, K, free), undamped(plant, history, required, K)
+            notes += [
+                along_the_path(need),
+                direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
+            ]
         trim = abs(float(coefficients.B * history.peak))
         if need.beyond_linear:
-            required, trim = _unknown(required), np.nan
+            bounds, trim = _unknown(bounds), np.nan
         return cls(
             **vars(need),
             **judged,
-            **required,
+            **bounds,
             coefficients=coefficients,
             wind=replace(need.wind_in_plane, gust=None).history({}),
             switch=switch,
@@ -428,8 +433,8 @@ class Study(CaseRequirement, Shown):
     def peak_of(self) -> str:
         """Text that names the wind of the survivable peak; empty for an angle alone.
 
-        A wind by its speed stays a velocity: its peak is the angle of eq (B1e) times the factor on
-        the speed, with which the angle encountered is not in proportion.
+        A wind by its speed is named by the survivable speed too, since the angle encountered is not
+        in proportion to the speed.
         """
         words, speed = "", self.placed.speed
         if self.slanting is not None:
@@ -479,7 +484,7 @@ class Study(CaseRequirement, Shown):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, angles in degrees."""
-        v, slanting, planes = self.vehicle, self.slanting, {}
+        v, slanting, planes = self.vehicle, self.slanting, {}  # `slanting`: a wind with a heading
         if self.planes is not None and slanting is not None:
             planes["planes"] = {
                 "heading_deg": np.degrees(slanting.heading or 0.0),
@@ -540,16 +545,16 @@ def _bounds_by_model(
     }
 
 
-def _unknown(needed: dict[str, Any]) -> dict[str, Any]:
+def _unknown(bounds: dict[str, Any]) -> dict[str, Any]:
     """Return boundaries and bounds with NaN [rad], for winds beyond linear aerodynamics.
 
-    `needed`: as `_bounds_by_model` returns them.
+    `bounds`: boundary limits, bounds without a forecast and minimum peaks, each by model.
     """
     unknown = {
-        key: {k: replace(x, deflection=x.deflection * np.nan) for k, x in needed[key].items()}
+        key: {k: replace(x, deflection=x.deflection * np.nan) for k, x in bounds[key].items()}
         for key in ("boundaries", "forecast_free")
     }
-    return unknown | {"minima": dict.fromkeys(needed["minima"], np.nan)}
+    return unknown | {"minima": dict.fromkeys(bounds["minima"], np.nan)}
 
 
 def _optimum(plant: Plant, wind: History) -> Optimum:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import Field, fields_of, rows
 from tvclin.base.lines import (
     Line,
@@ -72,7 +71,7 @@ ACROSS = "encountered in a cross wind"
 """Words for the dynamic pressure in a wind across the path, which has no sign."""
 LEFT_WHEN = {"literal": "reached by trim", "report": "reached by B times the wind angle"}
 """Words for the exit of the dead band, by switch."""
-_NOT_STABLE = ("none (stable)",)
+_WITHOUT_BETA = ("none (stable)",)
 _VERDICT = " (verdict)"
 
 
@@ -83,8 +82,8 @@ def vehicle(
 ) -> Table:
     """Return the numbers of the vehicle, first in the units of its file where these differ.
 
-    `source` is the title of a vehicle without a name, `source_values` the numbers in the units of
-    the file, by name, with these units; see `as_written`.
+    `source` is the title of a vehicle without a name, `source_values` the numbers as they stand in
+    its file, and their units there, by name.
     """
     vehicle_fields = [
         item for item in fields_of(study.vehicle) if item.value(study.vehicle) is not None
@@ -103,7 +102,7 @@ def coefficients(study: Study) -> Table:
     groups = ("beta", "B", *damped), *((name,) for name in path)
     shown = [row for names in groups for row in rows(study.coefficients, "coefficients", *names)]
     if study.coefficients.mu_alpha <= 0.0:
-        shown.insert(0, ("beta", _NOT_STABLE))
+        shown.insert(0, ("beta", _WITHOUT_BETA))  # sqrt(mu_alpha) is not real
     return quantities(f"Linear coefficients, {study.plane} plane", shown)
 
 
@@ -125,8 +124,11 @@ def boundaries(study: Study) -> Table:
     of the report. The row of the verdict is marked. The last column, where a limit is in question,
     is the peak of the wind that it survives with the model of the verdict.
     """
-    names, judged, limits = tuple(study.boundaries), _judged(study), _by_dead_band(study)
-    row_label = "K = " if study.switch == "literal" else "boundary limit, K = "
+    names, judged = tuple(study.boundaries), _judged(study)
+    row_label, limits = "K = ", study.nominal_requirements
+    if study.switch == "report":
+        row_label = "boundary limit, K = "
+        limits = {name: np.abs(boundary.deflection) for name, boundary in study.boundaries.items()}
     rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(study, "trim", study.trim_deflection))]
     for i, K in enumerate(study.dead_bands):
         mark = _VERDICT if K == study.dead_band and not judged and not study.unknown else ""
@@ -139,16 +141,14 @@ def boundaries(study: Study) -> Table:
     rows += [((LEAST[key],), *_parts(study, key, needs)) for key, needs in study.needs.items()]
     scope = ""
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
-    if _has_survivable_peaks(study):
-        assert study.limit is not None
+    in_one_plane = not study.judges_both_planes and study.model in study.boundaries
+    if study.limit is not None and not study.unknown and in_one_plane:
         peaks = _survived(study, study.limit, [row.survived for row in judged])
         bound = abs(study.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
         head = (*head, "survivable peak [deg]")
-        if (
-            np.isnan([row.survived for row in judged if not row.of_verdict]).any()
-            and not study.beyond_linear
-        ):
+        others = [row.survived for row in judged if not row.of_verdict]
+        if np.isnan(others).any() and not study.beyond_linear:
             scope = f"; survivable peak of the {study.direction} wind"
         rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
     peak, tau = float(np.degrees(study.wind.peak)), float(study.wind.duration)
@@ -161,12 +161,6 @@ def boundaries(study: Study) -> Table:
         f"{study.wind_in_plane.gust_text}{component}; K {NOMINAL}{scope}"
     )
     return Table(caption, head, tuple(rows))
-
-
-def _has_survivable_peaks(study: Study) -> bool:
-    """Return whether the peaks that the limit survives are known, in one plane."""
-    known = study.limit is not None and not study.unknown
-    return known and not study.judges_both_planes and study.model in study.boundaries
 
 
 def both_planes(study: Study) -> Table:
@@ -209,7 +203,7 @@ def question(study: Study, case: Case) -> Table:
     ]
     if wind.heading is not None:
         heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
-        rows.insert(4, ("direction of the wind, from the flight", heading))
+        rows.insert(4, ("direction of the wind, from the flight", heading))  # after the peak
     if study.encountered or study.sign is not None:
         across = study.direction == CROSS
         rows.append(("dynamic pressure", (ACROSS if across else AIR[study.sign],)))
@@ -229,7 +223,10 @@ def question(study: Study, case: Case) -> Table:
 
 
 class _Judged(NamedTuple):
-    """Row of a required deflection [rad], with the peak [rad] that the limit survives there."""
+    """Row of a required deflection [rad], with the peak [rad] that the limit survives.
+
+    `of_verdict`: whether the verdict rests on it.
+    """
 
     label: str
     required: float
@@ -240,12 +237,13 @@ class _Judged(NamedTuple):
 def _judged(study: Study) -> list[_Judged]:
     """Return the rows of required deflections that are not those of a dead band.
 
-    Empty where the row with the dead band of the verdict is all that is required. Of the
-    directions of a wind the peak is known only of the one that counts.
+    They are for both planes, for each direction of the wind, and, where the switch is that of the
+    report, for the dead band of the verdict. The peak that the limit survives is NaN for a
+    direction of the wind that does not set the required deflection.
     """
     survived = abs(study.survivable_peak or np.nan)
     if study.judges_both_planes:
-        return [_Judged("both planes", study.required_deflection, survived, True)]
+        return [_Judged("both planes", study.required_deflection, survived, of_verdict=True)]
     if study.model not in study.boundaries:
         return []
     rows = []
@@ -253,22 +251,12 @@ def _judged(study: Study) -> list[_Judged]:
     if study.switch == "report" and nominal:
         peak = abs(study.judged_peak) * (study.limit or np.nan) / nominal
         label = f"required, K = {study.dead_band:g}"
-        rows.append(_Judged(label, nominal, peak, study.at_nominal_pressure))
+        rows.append(_Judged(label, nominal, peak, of_verdict=study.at_nominal_pressure))
     for name, need in study.encountered.items():
         counts = study.direction == name
-        rows.append(_Judged(f"{name} wind", need, survived if counts else np.nan, counts))
+        peak = survived if counts else np.nan
+        rows.append(_Judged(f"{name} wind", need, peak, of_verdict=counts))
     return rows
-
-
-def _by_dead_band(study: Study) -> dict[str, FloatArray]:
-    """Return the limits [rad] at the dead bands of a study, by model, sizes ``(k,)``.
-
-    They are required deflections at nominal dynamic pressure, or boundary limits with the switch of
-    the report.
-    """
-    if study.switch == "literal":
-        return study.nominal_requirements
-    return {name: np.abs(boundary.deflection) for name, boundary in study.boundaries.items()}
 
 
 def requirement(study: Study) -> Line:
@@ -286,8 +274,8 @@ def requirement(study: Study) -> Line:
         basis = f" (model {study.model}, dead band {study.dead_band:g}{switch}{air})"
         line = ("Required deflection: ", *required, f"{basis}, {_governed(study)}")
     if study.survivable_peak is None:
-        small = study.limit is not None and study.sufficient is False
-        return (*line, f"; the limit is too small {NOMINAL} too") if small else line
+        insufficient = study.limit is not None and study.sufficient is False
+        return (*line, f"; the limit is too small {NOMINAL} too") if insufficient else line
     survived = degrees("verdict.survived", abs(study.survivable_peak), unit="deg")
     of = f", {study.peak_of}" if study.peak_of else ""
     bound = f" at least{of}; {BEYOND_LINEAR}" if study.survives_bound else of
@@ -304,15 +292,18 @@ def survivable(name: str, peak: float, bound: float) -> Line:
     return degrees(name, peak)
 
 
-def _in_units(vehicle: AnyVehicle, item: Field, own: Mapping[str, tuple[float, str]]) -> Line:
+def _in_units(
+    vehicle: AnyVehicle, item: Field, source_values: Mapping[str, tuple[float, str]]
+) -> Line:
     """Return the cell of a number of a vehicle in the unit of its file.
 
-    `item`: field of the number; it follows in its unit of tables where that differs. `own`: value
-    and unit in the file, by key.
+    `item`: field of the number; the value in the unit of tables follows in brackets where that
+    differs. `source_values`: value and unit in the file, by key; "mass" may stand for the weight.
     """
     key, name = f"vehicle.{item.name}", item.name
     shown = significant(key, item.value(vehicle), 6, item.unit)
-    value, unit = own.get("mass" if name == "weight" and "mass" in own else name, (0.0, ""))
+    source_key = "mass" if name == "weight" and "mass" in source_values else name
+    value, unit = source_values.get(source_key, (0.0, ""))
     if not unit or unit == written(item.suffix):
         return shown
     return (*significant(f"{key}.own", value, 6, unit), " (", *shown, ")")
@@ -321,33 +312,34 @@ def _in_units(vehicle: AnyVehicle, item: Field, own: Mapping[str, tuple[float, s
 def _parts(study: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
     """Return the cells of a deflection for each model: in degrees, and normalised by trim.
 
-    `key`: prefix of their names. `needs`: deflection [rad] of each model, or of all.
+    `key`: prefix of their names. `needs`: deflection [rad] of each model, or of all. NaN where
+    static trim, by which they are normalised, is zero.
     """
     cells: list[Line] = []
+    trim = study.trim_deflection
     for name in study.boundaries:
         need = needs.get(name, np.nan) if isinstance(needs, Mapping) else needs
-        if not study.trim_deflection:
-            need = np.nan
-        ratio = need / study.trim_deflection if study.trim_deflection else np.nan
+        need, ratio = (need, need / trim) if trim else (np.nan, np.nan)
         cells += [degrees(f"{key}.{name}", need), number(f"{key}.{name}.part", ratio)]
     return cells
 
 
 def _survived(study: Study, limit: float, judged: list[float]) -> list[float]:
-    """Return the survivable peaks [rad] of a limit [rad], for each row, of the verdict's model.
+    """Return the survivable peaks [rad] of a limit [rad], one for each row of the boundaries.
 
     Requirements of linear theory are in proportion to the wind, so that a limit survives the peak
-    times limit over requirement. `judged`: peaks of the rows of `_judged`, which are not.
+    times limit over requirement: for static trim, the dead bands, and the lower bounds at the end.
+    `judged`: peaks [rad] of the rows between them, which are not in proportion.
     """
-    rows = study.nominal_requirements[study.model]
-    minimum_limit = [needs.get(study.model, np.nan) for needs in study.needs.values()]
+    by_dead_band = study.nominal_requirements[study.model]
+    bounds = [needs.get(study.model, np.nan) for needs in study.needs.values()]
     peak = abs(float(study.history.peak))
     with np.errstate(divide="ignore"):
-        linear, below = (
+        above, below = (
             [float(peak * limit / np.float64(required)) for required in column]
-            for column in ((study.trim_deflection, *rows), minimum_limit)
+            for column in ((study.trim_deflection, *by_dead_band), bounds)
         )
-    return [*linear, *judged, *below]
+    return [*above, *judged, *below]
 
 
 def _governed(study: Study) -> str:
@@ -358,7 +350,7 @@ def _governed(study: Study) -> str:
 
 
 def _typed(name: str, angle: Any, unit: str = "deg") -> Line:
-    """Return the cell of an angle [rad] or a rate [rad/s] in degrees, as it was typed.
+    """Return the cell of an angle [rad] or a rate [rad/s] in degrees, without padding zeros.
 
     `name`: name of the number. `unit`: unit in the cell.
     """
@@ -421,7 +413,7 @@ class StudyResponse:
     def note(self) -> str:
         """Reason of the end, in sentences."""
         largest = self.extremes
-        if largest.with_wind is None and largest.against_wind is None:
+        if largest.with_wind is None and largest.against_wind is None:  # no attitude error
             return "Trim stays within the limit, and the attitude at zero."
         sufficient = self.study.limit is None or self.study.sufficient
         note = f" {OVERTURNED_NOTE}" if self.why == OVERTURNED and sufficient else ""
@@ -446,7 +438,14 @@ def study_response(study: Study) -> StudyResponse | None:
     if not limit or np.isinf(limit):
         return None
     plant, wind = Plant(study.coefficients, study.model), study.history
-    against = -float(np.sign(study.coefficients.B * wind.peak)) or 1.0
-    deflection = trim_then_hold(plant, wind, against * limit, study.dead_band, study.switch)
+    trim_sign = -float(np.sign(study.coefficients.B * wind.peak)) or 1.0  # any without trim
+    deflection = trim_then_hold(plant, wind, trim_sign * limit, study.dead_band, study.switch)
     shown = response_end(plant, deflection, wind, _MAX_END_OVER_DURATION * float(wind.end))
-    return StudyResponse(study, plant, deflection, limit, shown.time, shown.why)
+    return StudyResponse(
+        study=study,
+        plant=plant,
+        deflection=deflection,
+        limit=limit,
+        end=shown.time,
+        why=shown.why,
+    )

@@ -71,6 +71,8 @@ _EVEN_STEP = 0.125
 With the impulse of the wind in each step the largest min(trim, demand) is within a thousandth."""
 _MIN_RATE_PER_S = 0.5
 """Smallest rate [1/s] that sets even steps."""
+_MIN_EVEN_STEPS = 32
+"""Smallest number of even steps."""
 MAX_BATCH_STEPS = 5_000
 """Largest number of steps of the winds of a batch: some ten megabytes."""
 _LIMITS_MULTIPLE = 4
@@ -119,11 +121,12 @@ def step_counts(wind: History, motion: Motion) -> FloatArray:
     winds of similar length have the same.
     """
     widths = np.diff(_breakpoints(wind, motion), axis=-1)
+    # complex rates s [1/s] of the terms e^(s t) between the breakpoints of the wind
     rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
     fastest = np.maximum(motion.fastest, np.ravel(rates))[:, np.newaxis]
     with np.errstate(invalid="ignore"):  # a calm has no breakpoints
         counts = np.maximum(np.ceil(widths * fastest / STEP), _MIN_STEPS)
-        quarter = 2.0 ** np.floor(np.log2(counts)) / 4.0
+        quarter = 2.0 ** np.floor(np.log2(counts)) / 4.0  # a quarter of the power of two below
         return np.where(widths > 0.0, np.ceil(counts / quarter) * quarter, 0.0 * widths)
 
 
@@ -144,8 +147,8 @@ def _breakpoints(wind: History, motion: Motion) -> FloatArray:
 def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
     """Return times [s] at begin, middle and end of the steps over winds, ``(n, S, 3)``.
 
-    Breakpoints of winds and motion are ends of steps, which between them are even. `parts`: into
-    how many each step is divided. `InputError` where a wind takes more steps than can be followed.
+    Breakpoints of winds and motion are ends of steps, which between them are even. `parts`: number
+    of substeps of each step. `InputError` where a wind takes more steps than can be followed.
     """
     counts = step_counts(wind, motion).max(axis=0)
     if not counts.sum() <= _MAX_STEPS:
@@ -157,14 +160,14 @@ def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
         )
     knots = _breakpoints(wind, motion)
     widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
-    rows = [
-        knots[:, i, None, None] + widths[:, i, None, None] * (np.arange(n)[:, None] + inside) / n
-        for i, n in enumerate((counts * parts).astype(int).tolist())
-        if n
-    ]
-    for i, row in zip(np.flatnonzero(counts), rows, strict=True):
-        row[:, -1, 2] = knots[:, i + 1]  # not beyond, by rounding
-    return np.concatenate(rows, axis=1)
+    intervals = []  # times of the n steps in each interval between two breakpoints
+    for i in np.flatnonzero(counts):
+        n = int(counts[i] * parts)
+        fractions = (np.arange(n)[:, np.newaxis] + inside) / n
+        times = knots[:, i, None, None] + widths[:, i, None, None] * fractions
+        times[:, -1, 2] = knots[:, i + 1]  # not beyond, by rounding
+        intervals.append(times)
+    return np.concatenate(intervals, axis=1)
 
 
 def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> FloatArray:
@@ -172,10 +175,10 @@ def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> Flo
 
     `motion`: its fastest rate sets their length. `parts`: number of substeps of each step.
     """
-    count = max(
-        np.ceil((span[1] - span[0]) * max(motion.fastest.max(), _MIN_RATE_PER_S) / _EVEN_STEP), 32
-    )
-    ends = np.linspace(*span, min(int(count), _MAX_STEPS) * parts + 1)
+    begin, end = span
+    rate = max(motion.fastest.max(), _MIN_RATE_PER_S)
+    count = max(int(np.ceil((end - begin) * rate / _EVEN_STEP)), _MIN_EVEN_STEPS)
+    ends = np.linspace(begin, end, min(count, _MAX_STEPS) * parts + 1)
     return np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
 
 
@@ -185,18 +188,16 @@ def encountered_at_steps(
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
     `motion`: its breakpoints and fastest rate set the steps. `encountered`: winds, or a sequence of
-    winds with the same number of steps. `parts`: see `step_times`.
+    winds with the same number of steps. `parts`: number of substeps of each step. A wind that jumps
+    where a step ends has there its value before the jump.
     """
     if isinstance(encountered, Sequence):
         winds = [encountered_at_steps(motion, wind, parts) for wind in encountered]
         return tuple(np.concatenate(rows) for rows in zip(*winds, strict=True))
     times = step_times(encountered.history, motion, parts)
-    at_end = np.zeros(times.shape, dtype=bool)
-    at_end[..., 2] = True
-    inside = np.where(
-        at_end, np.maximum(np.nextafter(times, -np.inf), times[..., 1:2]), times
-    )  # from the left
-    wind, ratio = encountered.at(inside)
+    begin, middle, end = np.moveaxis(times, -1, 0)
+    just_before = np.maximum(np.nextafter(end, -np.inf), middle)
+    wind, ratio = encountered.at(np.stack([begin, middle, just_before], axis=-1))
     shape = np.broadcast_shapes(wind.shape, (len(motion.fastest), 1, 1))
     return np.broadcast_to(times, shape), np.broadcast_to(wind, shape), ratio + np.zeros(shape)
 
@@ -206,14 +207,16 @@ def with_calm_after(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
 
-    `equations`: of n cases, or common to all. `times`, `wind`, `ratio`: see `encountered_at_steps`;
-    times may be common, ``(1, S, 3)``.
+    `equations`: of n cases, or common to all. `times` [s], `wind` [rad], `ratio`: times, wind
+    angles and q/q_n at begin, middle and end of the steps over the wind, ``(n, S, 3)``; times may
+    be common, ``(1, S, 3)``.
     """
     count = int(steps_after(equations).max())
-    rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)
+    rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)  # [1/s]
     step = (_CALM_STEP_OVER_TIME_CONSTANT / rate)[:, np.newaxis, np.newaxis]
+    # from the end of the last step on
     calm = times[:, -1:, 2:] + step * (np.arange(count)[:, np.newaxis] + [0.0, 0.5, 1.0])
-    after = (0, 0), (0, calm.shape[1]), (0, 0)
+    after = (0, 0), (0, calm.shape[1]), (0, 0)  # widths to pad: behind the steps
     times = np.concatenate([times, calm], axis=1)
     return times, np.pad(wind, after), np.pad(ratio, after, constant_values=1.0)
 
@@ -221,13 +224,15 @@ def with_calm_after(
 def steps_after(equations: Equations) -> IndexArray:
     """Return the number of steps of flights of the limited law after the wind, ``(n,)``.
 
-    `equations`: of n cases. The number is zero on a slow path, on which the law returns to
-    equilibrium whenever the limit permits.
+    `equations`: of n cases. The calm lasts some time constants of the unstable pole, in steps of
+    the fastest rate. The number is zero on a slow path, on which the law returns to equilibrium
+    whenever the limit permits.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        slower = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
+        # fastest rate over the unstable pole, at least one; NaN without an unstable pole
+        rate_over_pole = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
     counts = np.ceil(_CALM_OVER_TIME_CONSTANT / _CALM_STEP_OVER_TIME_CONSTANT) * np.where(
-        np.isnan(slower), 1.0, np.ceil(slower)
+        np.isnan(rate_over_pole), 1.0, np.ceil(rate_over_pole)
     )
     quick = np.broadcast_to(equations.quick_path, counts.shape)
     return np.where(quick, np.minimum(counts, _MAX_STEPS), 0.0).astype(int)
@@ -274,33 +279,36 @@ def varying_requirement(
     """
     if not isinstance(encountered, Sequence) and np.all(np.isinf(encountered.history.onset)):
         none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
-        return VaryingRequirement(none, none, none, np.full(none.shape, np.nan))
+        unknown_time = np.full(none.shape, np.nan)
+        return VaryingRequirement(trim=none, required=none, minimum=none, time=unknown_time)
     times, wind, ratio = encountered_at_steps(motion, encountered)
     equations = motion.at_steps(times)
     trim_and_demand = curves(equations, times, wind, ratio)
     trim = trim_and_demand.largest_trim
-    no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
-    demand_bounds = ~(no_real_mode | equations.changes_sign)  # else the modes' minimum peak
+    reach = equations.end[:, -1]  # control reach R of the fastest real unstable mode, NaN without
+    no_real_mode = np.broadcast_to(np.isnan(reach), trim.shape)
+    # the demand at the onset bounds every control; else only the minimum over several modes does
+    demand_bounds = ~(no_real_mode | equations.changes_sign)
     minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
     march = times, wind, ratio, None
     peaks, limit, time = _exits(equations, march, trim_and_demand, dead_band)
     minimum = np.maximum(minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
+    # where a limit that is held may drive the vehicle to either side, trim must never exceed K
+    # times the limit
     without_exit = np.any(paired, axis=(1, 2)) | equations.changes_sign
-    never_limited = np.where(without_exit, trim, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        within_dead_band = np.where(without_exit & (trim > 0.0), trim / dead_band, 0.0)
+        highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
     if dead_band == 1.0:
         limit, time = trim_and_demand.limit_of_trim_law(paired)
         required = _of_flights(motion, equations, encountered, trim_and_demand, limit, minimum)
     else:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            inside = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
-            highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
-            required = np.maximum(np.minimum(np.maximum(limit, inside), highest), minimum)
-    with np.errstate(divide="ignore", invalid="ignore"):  # of a pair alone, or stable
-        pair_requirement = np.where(never_limited > 0.0, never_limited / dead_band, 0.0)
-    required = np.where(no_real_mode, pair_requirement, required)
+        required = np.minimum(np.maximum(limit, within_dead_band), highest)
+        required = np.maximum(required, minimum)
+    required = np.where(no_real_mode, within_dead_band, required)  # a pair alone, or stable
     required = np.where(np.isnan(trim), np.nan, required)
-    return VaryingRequirement(trim, required, minimum, time)
+    return VaryingRequirement(trim=trim, required=required, minimum=minimum, time=time)
 
 
 def _exits(
@@ -311,22 +319,22 @@ def _exits(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return minimum peaks [rad] over several modes, and limits [rad] and times [s] of exits.
 
-    `equations`: of n cases, or common to all. `march`: see `peaks_over_modes`. `trim_and_demand`:
-    curves of trim and demand. `dead_band`: K, from 0 to 1. All returned are ``(n,)``. Peaks are
-    zero where they are not known, limits with K = 1.
+    `equations`: of n cases, or common to all. `march`: times [s], wind angles [rad] and q/q_n at
+    the steps, and onsets in steps. `trim_and_demand`: deflections of trim, and limits sufficient
+    when held from then on. `dead_band`: K, from 0 to 1. All returned are ``(n,)``. Peaks are zero
+    for cases with one mode, limits and times with K = 1.
     """
-    shape = len(trim_and_demand.trim)
-    minimum, limit, time = np.zeros((3, shape))
-    ratios = None
+    minimum, limit, time = np.zeros((3, len(trim_and_demand.trim)))
+    ratios = None  # trim over K [rad]: for 0 < K < 1 minima count from the exit on too
     if dead_band < 1.0:
         with np.errstate(divide="ignore", invalid="ignore"):
             limit, time = trim_and_demand.limit_of_dead_band(dead_band)
         ratios = trim_and_demand.trim_ratios(dead_band) if dead_band > 0.0 else None
     for cases, peaks in peaks_over_modes(equations, march, trim_and_demand.path, ratios):
-        minimum[cases] = peaks[:, 0]
+        minimum[cases] = peaks[:, 0]  # from the onset on
         if ratios is None:
             continue
-        from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)
+        from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)  # at begin and end of steps
         after, after_time = trim_and_demand.of(cases).limit_with_minimum(from_step, dead_band)
         larger = after > limit[cases]  # not of NaN, a wind of two signs
         limit[cases] = np.where(larger, after, limit[cases])
@@ -342,11 +350,13 @@ def peaks_over_modes(
 ) -> Iterator[tuple[IndexArray, FloatArray]]:
     """Yield cases with several unstable modes, and their `minimum_peaks` [rad], ``(k, S + 1)``.
 
-    `equations`: of n cases, or common to all. `march`: times, wind, ratio and onset of `curves`;
-    `path`: see `Curves`. `trim_ratios`: see `Curves.trim_ratios`; None for K = 1 and 0.
+    They are the smallest peaks of any control from the begin of steps on. `equations`: of n cases,
+    or common to all. `march`: times [s], wind angles [rad] and q/q_n at the steps, and onsets in
+    steps. `path`: states beyond attitude and rate under trim at the ends of steps. `trim_ratios`:
+    trim over K [rad] at the ends of steps; None where peaks from the onset on are sufficient.
     """
-    steps, end, _ = _columns(equations, *march)
-    for modes in equations.modes:
+    steps, end, _onset = _columns(equations, *march)
+    for modes in equations.modes:  # cases with the same number of modes each
         cases = modes.cases if len(equations.end) > 1 else np.arange(len(path))
         selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
         end_of_cases = end if len(end) == 1 else end[cases]
@@ -360,11 +370,11 @@ def batch_requirements(
     """Return the required deflections [rad] of a batch of winds, ``(n,)``.
 
     `equations`: of n cases, or common to all. `encountered`: winds of the batch, or one.
-    `dead_band`: K, from 0 to 1. NaN for a wind that is too long to be marched, and where the
-    dynamic pressure is not known. Winds with the same steps are marched together, so that no case
-    depends on others.
+    `dead_band`: K, from 0 to 1. NaN for a wind that is too long to be followed, and where the
+    dynamic pressure is not known. Only winds with the same steps are integrated together, so that
+    no case depends on others.
     """
-    count = max(len(equations.end), encountered.count)
+    count = max(len(equations.end), encountered.count)  # number of cases
     counts = step_counts(encountered.history, equations)
     counts = np.broadcast_to(counts, (count, counts.shape[-1]))
     finite = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
@@ -372,10 +382,10 @@ def batch_requirements(
     required = np.full(count, np.nan)
     groups, group = np.unique(counts[finite], axis=0, return_inverse=True)
     for k in range(len(groups)):
-        alike = finite[np.ravel(group) == k]
-        together = int(MAX_BATCH_STEPS // groups[k].sum()) + 1
-        for first in range(0, alike.size, together):
-            cases = alike[first : first + together]
+        same_steps = finite[np.ravel(group) == k]
+        batch_size = int(MAX_BATCH_STEPS // groups[k].sum()) + 1
+        for first in range(0, same_steps.size, batch_size):
+            cases = same_steps[first : first + batch_size]
             batch = equations.of(cases), encountered.of(cases, count)
             required[cases] = varying_requirement(*batch, dead_band).required
     return required
@@ -392,8 +402,8 @@ def _of_flights(
     """Return the required deflections [rad] with K = 1, ``(n,)``, by flights where these decide.
 
     `motion`: vehicle, with its equations at any times; `equations` are those at the steps.
-    `encountered`: winds as the vehicle encounters them. `limit`: limits [rad] of the curves
-    `trim_and_demand`. `minimum`: minimum peaks [rad].
+    `encountered`: winds as the vehicle encounters them. `limit`: the largest min(trim, demand)
+    [rad] of the curves `trim_and_demand`. `minimum`: minimum peaks [rad] of any control.
 
     For an aerodynamically stable vehicle with an unstable path the law may not return the path to
     equilibrium with any limit: flights then end with the wind, where the limit must reduce the
@@ -404,10 +414,10 @@ def _of_flights(
     required = np.maximum(limit, minimum)
     if not np.any(finite & (flown | equations.drifts)):
         return required
-    in_wind = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
-    times, wind, ratio = with_calm_after(equations, *in_wind)
+    wind_times, *wind_and_ratio = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
+    times, wind, ratio = with_calm_after(equations, wind_times, *wind_and_ratio)
     flights = LimitedFlights(motion.at_steps(times), times, wind, ratio)
-    if equations.drifts:
+    if equations.drifts:  # the curves decide unless a flight with a little more diverges
         finite_cases = np.flatnonzero(finite)
         tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[finite_cases, np.newaxis]
         flown[finite_cases] |= flights.diverge(tried, finite_cases)[:, 0]
@@ -415,11 +425,11 @@ def _of_flights(
     if which.size:
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
         required[which] = flights.select(which).requirement(low[which], high[which])
-        stable = equations.nominal[:, -1, -1, 1, 0] < 0.0
+        stable = equations.nominal[:, -1, -1, 1, 0] < 0.0  # mu_alpha at the end of the last step
         never = which[(np.isinf(required) & stable)[which]]
-        if never.size and in_wind[0].shape != times.shape:
-            flights = LimitedFlights(motion.at_steps(in_wind[0]), *in_wind).select(never)
-            required[never] = flights.requirement(low[never], high[never])
+        if never.size and wind_times.shape != times.shape:  # again without the calm
+            flights = LimitedFlights(motion.at_steps(wind_times), wind_times, *wind_and_ratio)
+            required[never] = flights.select(never).requirement(low[never], high[never])
     return required
 
 
@@ -428,10 +438,11 @@ def decided_by_flights(
 ) -> tuple[BoolArray, FloatArray]:
     """Return whether flights decide the requirement for K = 1, and the lowest limits to try [rad].
 
-    `equations`: of n cases, or common to all. `trim_and_demand`: curves of trim and demand.
-    `limit`: the largest min(trim, demand) [rad], ``(n,)``. They decide where trim reaches it with
-    both signs, where the path drifts and is quick, or trim crosses it more than once, and where
-    mu_alpha changes its sign, since the demand of a constant deflection is no bound then.
+    `equations`: of n cases, or common to all. `trim_and_demand`: deflections of trim, and limits
+    sufficient when held from then on. `limit`: the largest min(trim, demand) [rad], ``(n,)``.
+    Flights decide where trim reaches it with both signs, where the path drifts and is quick, or
+    trim crosses it more than once, and where mu_alpha changes its sign, since the demand of a
+    constant deflection is no bound then.
     """
     two_signs, second_interval = (
         trim_and_demand.reaches_both_signs(limit),
@@ -473,23 +484,22 @@ class LimitedFlights:
         `with_calm_after`: a vehicle that becomes stable turns back from any attitude, by linear
         equations. Elsewhere such a flight diverges by itself.
         """
-        selected = self if isinstance(cases, slice) else self.select(cases)
-        order, diverged = selected.equations.nominal.shape[-2], np.zeros(limits.shape, dtype=bool)
-        columns = _columns(
-            selected.equations, selected.times, selected.wind, selected.ratio, selected.onset
-        )
-        steps, calm = selected.wind.shape[1], int(steps_after(selected.equations).max())
-        changes = np.broadcast_to(selected.equations.changes_sign, len(limits))
+        flights = self if isinstance(cases, slice) else self.select(cases)
+        equations, count = flights.equations, flights.wind.shape[1]  # number of steps
+        columns = _columns(equations, flights.times, flights.wind, flights.ratio, flights.onset)
+        calm = int(steps_after(equations).max())
+        checked = count - calm if count > calm else count  # steps in which the attitude counts
+        changes = np.broadcast_to(equations.changes_sign, len(limits))
         max_attitude = np.where(changes, MAX_LINEAR_ANGLE, np.inf)
-        checked = steps - calm if steps > calm else steps
         tried = np.require(limits, float, ["C", "W"])
-        work = steps * limits.size * order
+        diverged = np.zeros(limits.shape, dtype=bool)  # written by the kernel
+        work = count * limits.size * equations.nominal.shape[-2]  # steps, tries and states
         run(
             marches.limited_trim,
             (*columns, _FEEDBACK_OVER_TRIM, max_attitude, checked, tried, diverged),
-            len(limits),
-            marches.LIMITED_PLAIN * work,
-            marches.LIMITED_COMPILED * work,
+            cases=len(limits),
+            seconds=marches.LIMITED_PLAIN * work,
+            compiled_seconds=marches.LIMITED_COMPILED * work,
         )
         return diverged
 
@@ -505,9 +515,11 @@ class LimitedFlights:
 
         bottom = np.maximum(low, _MIN_LIMIT)
         top, required = np.maximum(high, bottom), np.empty(bottom.shape)
-        for case in np.arange(bottom.size)[:, np.newaxis]:  # the scan of many depends on all
+        # one by one, since the limits tried in a scan of many cases depend on all of them
+        for case in np.arange(bottom.size)[:, np.newaxis]:
 
             def diverge(limits: FloatArray, case: IndexArray = case) -> BoolArray:
+                """Return whether flights of the case diverge with limits [rad], ``(tries, 1)``."""
                 return self.diverge(limits.T, case).T
 
             edge, never = limits_above_losses(diverge, bottom[case], top[case])
@@ -517,24 +529,27 @@ class LimitedFlights:
     def survive(self, limit: FloatArray, high: FloatArray, bound: FloatArray) -> BoolArray:
         """Return whether flights survive with limits [rad] and all above, up to `high`, ``(n,)``.
 
-        Limits are tried as by `requirement`: every `FINE` up to `AHEAD` above a `bound` [rad] of
-        what is required, or above the first limit, and every `STRIDE` from there on.
+        Limits are tried in relative steps: of `FINE` from `limit` until they exceed a `bound` [rad]
+        of what is required, or `limit` itself, by `AHEAD`, and of `STRIDE` from there on.
         """
         from tvclin.flights.closed_loop.survival_limit import AHEAD, FINE, STRIDE
 
         low = np.maximum(limit, _MIN_LIMIT)
         top = np.maximum(high, low)
         middle = np.clip((1.0 + AHEAD) * np.minimum(bound, low), low, top)
-        spans = np.log(middle / low)[:, np.newaxis], np.log(top / middle)[:, np.newaxis]
-        fine, coarse = (np.ceil(x / step) for x, step in zip(spans, (FINE, STRIDE), strict=True))
+        # logarithmic spans of fine and coarse steps, and their numbers, ``(n, 1)``
+        fine_span = np.log(middle / low)[:, np.newaxis]
+        coarse_span = np.log(top / middle)[:, np.newaxis]
+        fine, coarse = np.ceil(fine_span / FINE), np.ceil(coarse_span / STRIDE)
         counts = _LIMITS_MULTIPLE * np.ceil((fine + coarse)[:, 0] / _LIMITS_MULTIPLE).astype(int)
         survives = ~self.diverge(low[:, np.newaxis])[:, 0]
         for count in np.unique(counts[survives & (counts > 0)]).tolist():
             cases = np.flatnonzero(survives & (counts == count))
             k, n = np.arange(1, count + 1), fine[cases]
-            parts = spans[0][cases] * np.minimum(k / np.maximum(n, 1.0), 1.0)
-            above = np.clip((k - n) / np.maximum(coarse[cases], 1.0), 0.0, 1.0)
-            tried = low[cases, np.newaxis] * np.exp(parts + spans[1][cases] * above)
+            below = np.minimum(k / np.maximum(n, 1.0), 1.0)  # fraction of the fine span
+            above = np.clip((k - n) / np.maximum(coarse[cases], 1.0), 0.0, 1.0)  # of the coarse
+            logarithm = fine_span[cases] * below + coarse_span[cases] * above
+            tried = low[cases, np.newaxis] * np.exp(logarithm)
             survives[cases] = ~np.any(self.diverge(tried, cases), axis=1)
         return survives
 
@@ -561,21 +576,27 @@ def curves(
         Position at which each wind begins, in steps, ``(n,)``: with 2.3 it begins in the third
         step, whose times begin there. Zero by default.
     """
-    shape, order = wind.shape, equations.nominal.shape[-2]
+    cases, steps, _ = shape = wind.shape
+    order = equations.nominal.shape[-2]  # number of states, two of which are attitude and rate
     columns = _columns(equations, times, wind, ratio, onset)
-    trim, demand = np.zeros(shape), np.zeros(shape)
-    slope = np.zeros((*shape[:2], 2))
-    path = np.zeros((shape[0], shape[1] + 1, order - 2))
-    work = shape[0] * shape[1]
+    trim, demand = np.zeros(shape), np.zeros(shape)  # written by the kernel, as slope and path
+    slope, path = np.zeros((cases, steps, 2)), np.zeros((cases, steps + 1, order - 2))
     with np.errstate(invalid="ignore", divide="ignore"):
         run(
             marches.trim_and_demand,
             (*columns, trim, demand, slope, path),
-            shape[0],
-            marches.PLAIN * work,
-            marches.COMPILED * work,
+            cases=cases,
+            seconds=marches.PLAIN * cases * steps,
+            compiled_seconds=marches.COMPILED * cases * steps,
         )
-    return Curves(np.broadcast_to(times, shape), wind, trim, demand, slope, path)
+    return Curves(
+        times=np.broadcast_to(times, shape),
+        wind=wind,
+        trim=trim,
+        demand=demand,
+        demand_slope=slope,
+        path=path,
+    )
 
 
 def _columns(
@@ -587,13 +608,19 @@ def _columns(
 ) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
     """Return the arguments that the kernels of the limited and the unlimited trim both take.
 
-    They are steps with equations and winds, costates at the end, and onsets in steps; parameters as
-    in `curves`.
+    They are steps with equations and winds, costates at the end ``(n, m + 1)``, and onsets in
+    steps ``(n,)``, all as contiguous arrays. `times` [s], `wind` [rad], `ratio`: at begin, middle
+    and end of steps, ``(n, S, 3)``. `onset`: onsets in steps, None for zeros.
     """
-    shape = wind.shape
-    end = np.broadcast_to(equations.end, (shape[0], equations.end.shape[-1]))
-    lengths = np.broadcast_to(times[..., 2] - times[..., 0], shape[:2])
-    begin = np.zeros(shape[0]) if onset is None else onset
-    arrays = lengths, equations.nominal, equations.slopes, ratio, wind, end, begin
-    *steps, end, begin = (np.require(x, float, ["C", "W"]) for x in arrays)
-    return marches.VaryingSteps(*steps), end, begin
+    cases, count, _ = wind.shape
+    end = np.broadcast_to(equations.end, (cases, equations.end.shape[-1]))
+    begin = np.zeros(cases) if onset is None else onset
+    steps = marches.VaryingSteps(
+        lengths=np.broadcast_to(times[..., 2] - times[..., 0], (cases, count)),
+        equations=equations.nominal,
+        slopes=equations.slopes,
+        ratio=ratio,
+        wind=wind,
+    )
+    *columns, end, begin = (np.require(x, float, ["C", "W"]) for x in (*steps, end, begin))
+    return marches.VaryingSteps(*columns), end, begin

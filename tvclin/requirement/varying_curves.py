@@ -117,19 +117,19 @@ class Curves:
     def _largest(self, sign: float) -> FloatArray:
         """Return the largest trim of a sign [rad], ``(n,)``: of samples and vertices."""
         trim = self.trim
+        begin, middle, end = np.moveaxis(sign * trim, -1, 0)
         largest = (sign * trim).max(axis=(1, 2))
-        ends = np.maximum(sign * trim[..., 0], sign * trim[..., 2])
-        bend = np.abs(trim[..., 0] - 2.0 * trim[..., 1] + trim[..., 2])
         # the parabola is within an eighth of its second difference of its chords
-        bound = np.maximum(ends, sign * trim[..., 1]) + 0.125 * bend
-        case, step = np.nonzero(bound > largest[:, np.newaxis])
+        second_difference = np.abs(begin - 2.0 * middle + end)
+        bound = np.maximum(np.maximum(begin, end), middle) + 0.125 * second_difference
+        case, step = np.nonzero(bound > largest[:, np.newaxis])  # where a vertex may be larger
         summit = sign * _parabola(trim[case, step], _vertex(trim[case, step]))
         np.maximum.at(largest, case, summit)
         return np.asarray(largest)
 
     def of(self, cases: IndexArray) -> Curves:
-        """Return the curves of the cases with these indices, rising."""
-        if len(cases) == len(self.trim):
+        """Return the curves of the cases with these indices, rising and without repetition."""
+        if len(cases) == len(self.trim):  # all of them
             return self
         return Curves(*(getattr(self, item.name)[cases] for item in fields(self)))
 
@@ -166,8 +166,8 @@ class Curves:
 
         `case`, `step`: pairs of the index of a wind and of a step, in which crossings are searched.
         """
-        gap = self.trim[case, step] - self.demand[case, step]
-        which, half = np.nonzero(gap[:, :-1] * gap[:, 1:] < 0.0)
+        gap = self.trim[case, step] - self.demand[case, step]  # at begin, middle and end
+        which, half = np.nonzero(gap[:, :-1] * gap[:, 1:] < 0.0)  # half of the step: 0 or 1
         rising, low = np.sign(gap[which, half + 1]), step[which] + 0.5 * half
         case = case[which]
 
@@ -200,9 +200,9 @@ class Curves:
     def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.
 
-        Both are ``(n,)``; the limit is NaN for a wind of two signs. The exit is where trim, at a
-        new maximum, is K times the demand; of several solutions the last has the largest limit.
-        With K = 0 the exit is the onset of the wind.
+        Both are ``(n,)``; the limit is NaN for a wind of two signs. The limit is the demand where
+        trim, at a new maximum, is K times the demand, and leaves the dead band; of several
+        solutions the last has the largest limit. With K = 0 the exit is the onset of the wind.
         """
         if dead_band == 0.0:
             limit = self.sign * self.demand[:, 0, 0]
@@ -212,10 +212,10 @@ class Curves:
     def limit_with_minimum(
         self, minimum: FloatArray, dead_band: float
     ) -> tuple[FloatArray, FloatArray]:
-        """Return `limit_of_dead_band` with 0 < K < 1 where the minimum stands for the demand.
+        """Return the limit [rad] and the time [s] of the exit of a dead band 0 < K < 1, ``(n,)``.
 
-        `minimum`: minimum peaks of all control from the begin and the end of each step on [rad],
-        ``(n, S, 2)``.
+        In place of the demand counts `minimum`, the minimum peaks of any control from the begin and
+        the end of each step on [rad], ``(n, S, 2)``, linear within a step.
         """
         values = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
         sign = self.sign[:, np.newaxis, np.newaxis]
@@ -241,13 +241,14 @@ class Curves:
         run(
             exits.dead_band_exits,
             (*(np.require(x, float, ["C", "W"]) for x in arrays), dead_band, limit, position),
-            len(demand),  # then seconds as plain Python and compiled, by which `run` chooses
-            exits.PLAIN * work,
-            exits.COMPILED * work,
+            cases=len(demand),
+            seconds=exits.PLAIN * work,
+            compiled_seconds=exits.COMPILED * work,
         )
         stays = position < 0.0  # how the kernel marks that trim stays within the dead band
         largest = np.argmax(self.sign[:, np.newaxis] * self.trim.reshape(len(demand), -1), axis=-1)
-        position = np.where(stays, 0.5 * (largest % 3) + largest // 3, position)
+        step, sample = np.divmod(largest, 3)  # three samples in each step, half a step apart
+        position = np.where(stays, step + 0.5 * sample, position)
         limit = np.where(stays, self.largest_trim / dead_band, limit)
         time = self.time_at(np.arange(len(demand)), position)
         return np.where(self.has_two_signs, np.nan, limit), time
@@ -255,24 +256,26 @@ class Curves:
     def trim_ratios(self, dead_band: float) -> FloatArray:
         """Return trim over K [rad] at begins of steps and the end of the last, ``(n, S + 1)``.
 
-        `dead_band`: K, above zero. Infinite where trim is at no new height, and NaN after the step
-        of its last new height: `limit_with_minimum` does not depend on the minimum there, nor
-        before the last time at which the minimum is above this.
+        `dead_band`: K, above zero. The dead band can be left only where trim is at a new maximum:
+        the ratio is infinite elsewhere, and NaN after the step of the last maximum, where minimum
+        peaks of control need not be known.
         """
         trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)  # (n, 3 S)
         new, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
         ratio = np.where(new, trim / dead_band, np.inf)
-        last = (trim.shape[1] - 1 - np.argmax(new[:, ::-1], axis=-1)) // 3 + 1
+        last_sample = trim.shape[1] - 1 - np.argmax(new[:, ::-1], axis=-1)
+        last_step = last_sample // 3 + 1  # end of the step of that sample
         at_steps = np.concatenate([ratio[:, ::3], ratio[:, -1:]], axis=-1)
-        return np.where(steps > last[:, np.newaxis], np.nan, at_steps)
+        return np.where(steps > last_step[:, np.newaxis], np.nan, at_steps)
 
     def is_crossed_twice(self, limit: FloatArray) -> BoolArray:
         """Return whether trim is above limits [rad] in more than one interval, ``(n,)``."""
         above = np.abs(self.trim.reshape(len(self.trim), -1)) > limit[:, np.newaxis]
-        return np.asarray(above[:, 0] + np.sum(above[:, 1:] & ~above[:, :-1], axis=-1) > 1)
+        begins = above[:, 1:] & ~above[:, :-1]  # of intervals, but for one at the first sample
+        return np.asarray(above[:, 0] + np.sum(begins, axis=-1) > 1)
 
     def reaches_both_signs(self, limit: FloatArray) -> BoolArray:
-        """Return whether trim reaches a limit ``(n,)`` [rad], or nearly so, with both signs.
+        """Return whether trim reaches 95 percent of a limit ``(n,)`` [rad] with both signs.
 
         False for a limit of zero.
         """

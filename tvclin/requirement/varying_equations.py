@@ -79,19 +79,18 @@ class UnstableModes:
         n, k = len(end), self.poles.shape[1]
         complex_modes = np.imag(self.poles[0]) != 0.0  # the same modes in each case
         costates = np.broadcast_to(self.costates, (n, *self.costates.shape[1:]))
+        # vecdot conjugates its first argument: this is p.b/s, without a conjugate
         reach = np.vecdot(np.conj(costates), column[:, np.newaxis]) / self.poles
         costates = np.concatenate([costates.real, costates.imag[:, complex_modes]], axis=1)
-        costates[:, 0] = end[:, :-1]  # of the fastest mode, with the rest of the flight
+        costates[:, 0], reach[:, 0] = end[:, :-1], end[:, -1]  # with the rest of the flight
         reaches, poles = np.zeros((n, 2)), np.zeros((n, 2))
         if k <= 2 and not np.any(complex_modes):
             reaches[:, :k], poles[:, :k] = reach, self.poles
-            reaches[:, 0] = end[:, -1]
             return costates, reaches, poles, np.zeros((n, k, 0))
         slowest = np.real(self.poles).min(axis=-1, keepdims=True)
-        ends = _CELL_ENDS * _CELL_SPAN / slowest
+        ends = _CELL_ENDS * _CELL_SPAN / slowest  # [s] after the wind
         decay = np.exp(-self.poles[..., np.newaxis] * ends[:, np.newaxis])
         decay[..., -1] = 0.0  # the last cell has no end
-        reach[:, 0] = end[:, -1]
         cells = -reach[..., np.newaxis] * np.diff(decay, axis=-1)
         cells = np.concatenate([cells.real, cells.imag[:, complex_modes]], axis=1)
         return costates, reaches, poles, cells
@@ -111,9 +110,9 @@ def unstable_modes_of(A: FloatArray, single: BoolArray | bool = False) -> tuple[
     """Return the unstable modes of ``A (n, m, m)``, two or three of them, the fastest one real.
 
     Cases with the same numbers of real modes and of pairs are in one record; cases with another
-    number of modes, or a pair as the fastest, are omitted. With one mode the minimum peak of all
-    control is the demand, the limit sufficient when held from then on, if the effect of a
-    deflection on the mode keeps its sign: `single`, ``(n,)``, is whether one mode is returned too.
+    number of modes, or a pair as the fastest, are omitted. `single`, ``(n,)``: whether a case with
+    one mode is returned too. It need not be as long as a deflection acts on the mode with one sign,
+    for then the limit that is sufficient when it is held is the minimum peak of all control.
     """
     values, vectors = left_eigenvectors(A)
     unstable = (np.real(values) > 0.0) & (np.imag(values) >= 0.0)
@@ -159,8 +158,8 @@ def minimum_peaks(
         States beyond attitude and rate that trim has led to at the ends of steps,
         ``(n, S + 1, m - 2)``.
     heights : ndarray, optional
-        Trim over K [rad] from which steps on minimum peaks are known, see `Curves.trim_ratios`:
-        backwards to the first above it.
+        Trim over K [rad] at the ends of steps, ``(n, S + 1)``. Minimum peaks are computed from the
+        last step backwards, up to the first that is above it; not where it is NaN.
     """
     column = steps.equations[:, -1, 2, :, -2]  # b at the end of the last step
     column = np.broadcast_to(column, (len(end), column.shape[-1]))
@@ -169,17 +168,16 @@ def minimum_peaks(
     if heights is None:
         heights = np.full(peaks.shape, np.nan)
     arrays = costates, reaches, poles, cells, path, heights
-    # the rest estimates seconds as plain Python and compiled, by which `run` chooses
-    count = costates.shape[1]
+    count = costates.shape[1]  # modes; then numbers of operations, for the estimates of seconds
     work = peaks.size * count
     duals = len(path) + np.sum(~np.isnan(heights))
     sums = duals * marches.TANGENTS ** (count - 1) * float(path.shape[1] + cells.shape[-1])
     run(
         marches.minimum_peaks,
         (steps, *(np.require(x, float, ["C", "W"]) for x in arrays), peaks),
-        len(peaks),
-        marches.PLAIN * work + marches.CELL_PLAIN * sums,
-        marches.COMPILED * work + marches.CELL_COMPILED * sums,
+        cases=len(peaks),
+        seconds=marches.PLAIN * work + marches.CELL_PLAIN * sums,
+        compiled_seconds=marches.COMPILED * work + marches.CELL_COMPILED * sums,
     )
     return peaks
 
@@ -241,19 +239,18 @@ class Equations:
         A plant may be a batch ``(n,)``. Constant equations have a single step, with the same E at
         its begin, middle and end.
         """
-        nominal, slopes = (
-            x.reshape(-1, 1, 1, *x.shape[x.ndim - k :])
-            for x, k in zip(of_pressure(plants), (2, 3), strict=True)
-        )
-        order = nominal.shape[-2]
-        _, paired = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
+        E, slopes = of_pressure(plants)
+        order, columns = E.shape[-2:]  # m states, m + 2 columns of [A b w]
+        E = E.reshape(-1, order, columns)
+        slopes = slopes.reshape(-1, 1, 1, 2, order, columns)
+        _pole, paired = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
         return cls(
-            np.repeat(nominal, 3, axis=2),
-            np.repeat(slopes, 3, axis=2),
-            unstable_end(nominal[:, 0, 0]),
-            np.reshape(paired, (-1, 1, 1)),
-            np.ravel(has_quick_path(plants[0])),
-            unstable_modes_of(nominal[:, 0, 0, :, :order]),
+            nominal=np.repeat(E[:, np.newaxis, np.newaxis], 3, axis=2),
+            slopes=np.repeat(slopes, 3, axis=2),
+            end=unstable_end(E),
+            paired=np.reshape(paired, (-1, 1, 1)),
+            quick_path=np.ravel(has_quick_path(plants[0])),
+            modes=unstable_modes_of(E[..., :order]),
         )
 
     def at_steps(self, times: FloatArray) -> Self:
@@ -288,18 +285,18 @@ class Equations:
 
         modes = (modes if len(self.end) == 1 else modes.of(cases) for modes in self.modes)
         return Equations(
-            selected(self.nominal),
-            selected(self.slopes),
-            selected(self.end),
-            selected(self.paired),
-            selected(self.quick_path),
-            tuple(mode for mode in modes if mode.cases.size),
+            nominal=selected(self.nominal),
+            slopes=selected(self.slopes),
+            end=selected(self.end),
+            paired=selected(self.paired),
+            quick_path=selected(self.quick_path),
+            modes=tuple(mode for mode in modes if mode.cases.size),
         )
 
     @property
     def fastest(self) -> FloatArray:
         """Largest rate [1/s] of the attitude of each vehicle, sqrt(abs(mu_alpha)), ``(n,)``."""
-        mu_alpha = self.nominal[..., 1, 0]
+        mu_alpha = self.nominal[..., 1, 0]  # row of the attitude rate, column of attitude
         return np.asarray(np.sqrt(np.abs(mu_alpha).max(axis=(1, 2))))
 
     @property
@@ -309,15 +306,15 @@ class Equations:
         The costate p is of length one, so that this is the pole of p where the vehicle is constant.
         """
         order = self.nominal.shape[-2]
-        costate, A = self.end[:, :order], self.nominal[:, -1, 2, :, :order]
+        costate, A = self.end[:, :order], self.nominal[:, -1, 2, :, :order]  # of the last step
         return np.asarray(np.einsum("ni,nij,nj->n", costate, A, costate))
 
 
 def has_quick_path(plant: Plant) -> BoolArray:
-    """Return whether the path of plants is quick, ``(...)``.
+    """Return whether the flight path of plants is about as fast as the attitude, ``(...)``.
 
-    It is where the path is unstable, or b1 = N/(m V) [1/s], the rate at which the normal force
-    turns the path, or a second unstable pole is comparable with the fastest pole.
+    It is where b1 = N/(m V) [1/s], the rate at which the normal force turns the path, is negative
+    or comparable with the fastest unstable pole, or a second unstable pole is comparable with it.
     """
     poles = unstable_poles(plant)
     if plant.model == "fixed-path" or not poles.shape[-1]:

@@ -148,6 +148,7 @@ def controllability_ratio(
         raise InputError("trim is not known at any flight time, and the ratio needs it")
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     ratios = []
+    # flight time [s], trim [rad] and peak angle of the gust [rad] of each wind and time
     for time, trim, peak in _trims(sizing, np.broadcast_to(gusts, sizing.times.shape)):
         vehicle = sizing.schedule.at(time)
         slopes = (abs(float(Coefficients.from_vehicle(vehicle, name).B)) for name in planes)
@@ -159,10 +160,11 @@ def controllability_ratio(
             nominal=float(sizing.schedule.nominal_at(time)),
             thrust_offset=thrust_offset,
             gravity_offset=gravity_offset,
-            others=(Part("gust", gust_trim, "random"),),
+            others=(Part("gust", gust_trim, kind="random"),),
         )
-        ratios.append(ControllabilityRatio(total, available))
+        ratios.append(ControllabilityRatio(takes=total, limit=available))
     worst = min(ratios, key=lambda r: r.ratio)
+    # an end of the flight is named only where all other times have larger ratios
     others = min((r.ratio for r in ratios if r.takes.time != worst.takes.time), default=0.0)
     end = flight_end(sizing, worst.takes.time) if worst.ratio < (1.0 - SAME) * others else ""
     takes = replace(worst.takes, not_sized=sizing.not_sized(TRIM), end=end)

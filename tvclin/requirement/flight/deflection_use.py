@@ -105,12 +105,12 @@ def autopilot_requirements(
         )
     if sign is not None:
         errors.one_of("sign", sign, (*SIGNS, FROZEN))
-    signs = tuple(SIGNS) if sign is None and plane == "pitch" else (sign,)
+    signs = tuple(SIGNS) if sign is None and plane == "pitch" else (sign,)  # head and tail, or one
     width = errors.number("window", window, errors.positive, "s")
     max_rate = errors.unlimited("rate_limit", rate_limit, unit="rad/s")
     flight, placed_as = sizing.schedule, placings(by_name, placing)
     limit = np.full((sizing.times.size, len(by_name)), np.nan)
-    unknown_at: dict[tuple[str, str], list[float]] = {}
+    unknown_at: dict[tuple[str, str], list[float]] = {}  # flight times [s] by wind and reason
     pairs = [(i, j) for i in range(sizing.times.size) for j in range(len(by_name))]
     for done, (i, j) in enumerate(pairs, start=1):
         name, time = sizing.winds[j], float(sizing.times[i])
@@ -120,17 +120,18 @@ def autopilot_requirements(
                 begin = max(float(wind.history.onset), flight.span[0])
                 along = checked_flight(flight, autopilot, wind, begin, None, sizing.model, plane)
                 scan = limit_of_flight(along, max_rate)
-                unknown = np.isinf(scan.limit) and OPEN in scan.status
-                limit[i, j] = np.fmax(limit[i, j], np.nan if unknown else scan.limit)
-                if unknown:
+                if np.isinf(scan.limit) and OPEN in scan.status:  # no limit tried survives
                     raise errors.NotKnownError(scan.status)
+                limit[i, j] = np.fmax(limit[i, j], scan.limit)  # the larger of head and tail wind
         except errors.NotKnownError as error:
             limit[i, j] = np.nan
             unknown_at.setdefault((name, str(error)), []).append(time)
         if progress is not None:
             progress(done, len(pairs))
     reasons = (f"{wind} at {flight_times(at)}: {why}" for (wind, why), at in unknown_at.items())
-    return AutopilotRequirements(sizing.times, sizing.winds, limit, tuple(reasons))
+    return AutopilotRequirements(
+        times=sizing.times, winds=sizing.winds, limit=limit, reasons=tuple(reasons)
+    )
 
 
 def _encountered(
@@ -139,13 +140,14 @@ def _encountered(
     """Return a placed wind as the flight of a sizing encounters it, by possible directions.
 
     `plane`: plane of its angle. `signs`: directions of a pulse, or "frozen" for the nominal dynamic
-    pressure. `NotKnownError` for a wind that is calm or not known.
+    pressure; a sounding has a direction of its own. `NotKnownError` for a wind that is calm or not
+    known.
     """
     if not placed.known:
         raise errors.NotKnownError(placed.why or "the wind is not known")
     if placed.calm:
         raise errors.NotKnownError("the wind is calm")
-    if placed.speeds is not None:
+    if placed.speeds is not None:  # a sounding, with the wind speeds of both planes
         history = placed.two_sided or placed.history
         speeds = None if signs == (FROZEN,) else placed.speeds
         return [sounding_along(history, speeds, plane, sizing.schedule.span)]
@@ -275,7 +277,14 @@ def deflection_use(
             )
         used = used[order]
     largest = np.max([*required.values(), used], axis=0)  # NaN where one is not known
-    return DeflectionUse(times, required, used, available - largest, available, reasons)
+    return DeflectionUse(
+        times=times,
+        required=required,
+        used=used,
+        remaining=available - largest,
+        limit=available,
+        reasons=reasons,
+    )
 
 
 def used_around(flown: FlightAlong, times: FloatArray) -> FloatArray:
@@ -286,7 +295,7 @@ def used_around(flown: FlightAlong, times: FloatArray) -> FloatArray:
     """
     edges = np.concatenate([[-np.inf], 0.5 * (times[1:] + times[:-1]), [np.inf]])
     sizes = np.abs(flown.outputs["deflection"])
-    inside = np.searchsorted(edges, flown.times, side="right") - 1
-    used = np.array([sizes[inside == k].max(initial=-np.inf) for k in range(times.size)])
+    nearest = np.searchsorted(edges, flown.times, side="right") - 1  # index of the flight time
+    used = np.array([sizes[nearest == k].max(initial=-np.inf) for k in range(times.size)])
     within = (times >= flown.times[0]) & (times <= flown.times[-1])
     return np.where(within & np.isfinite(used), used, np.nan)

@@ -110,9 +110,10 @@ class FlightMode:
     def at(self, t: Any) -> tuple[FloatArray, Any]:
         """Return the costate p of length one, ``(m,) + t.shape``, and the control reach R.
 
-        They are integrated back to `t` from the next end of a step of the march. R is the effect on
-        the unstable component p.x of a unit deflection constant from t on. `t`: times [s]; those
-        outside the span count as its ends.
+        The costate is that of the fastest unstable mode, whose unstable component is p.x. R is the
+        effect on it of a unit deflection constant from t on. Both are integrated backwards to `t`
+        from the next of the times at which they are stored. `t`: times [s]; those outside the span
+        count as its ends.
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
         ends, costates = self._march
@@ -165,30 +166,31 @@ class FlightMode:
             replace(self.schedule, vehicle=vehicle).plants(inside, self.model, self.plane)
             for vehicle in vehicles
         ]
-        nominal, slopes = (
-            np.broadcast_to(x, (inside.size, *x.shape[-k:])).reshape(*times.shape, *x.shape[-k:])
-            for x, k in zip(of_pressure(plants), (2, 3), strict=True)
-        )
-        plant, order = plants[0], nominal.shape[-2]
-        costate, reach = self.at(times[:, -1, 2])
+        E, E_slopes = of_pressure(plants)  # [A b w], and how it depends on the pressure
+        order, columns = E.shape[-2:]
+        E = np.broadcast_to(E, (inside.size, order, columns))
+        E_slopes = np.broadcast_to(E_slopes, (inside.size, 2, order, columns))
+        nominal = E.reshape(*times.shape, order, columns)
+        costate, reach = self.at(times[:, -1, 2])  # at the end of the last step
+        _pole, pair = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
         paired, quick = (
             np.broadcast_to(x, inside.shape).reshape(times.shape)
-            for x in (leading_pole(plant)[1], has_quick_path(plant))
+            for x in (pair, has_quick_path(plants[0]))
         )
         changes = sign_changes(nominal)
         return Equations(
-            nominal,
-            slopes,
-            np.append(costate, reach[np.newaxis], axis=0).T,
+            nominal=nominal,
+            slopes=E_slopes.reshape(*times.shape, 2, order, columns),
+            end=np.append(costate, reach[np.newaxis], axis=0).T,
             # by a change of sign the modes are a pair for a while, which flights go through
-            np.where(changes[:, np.newaxis, np.newaxis], paired[:, -1:, -1:], paired),
-            np.any(quick, axis=(1, 2)),
-            unstable_modes_of(nominal[:, -1, 2, :, :order], changes),
+            paired=np.where(changes[:, np.newaxis, np.newaxis], paired[:, -1:, -1:], paired),
+            quick_path=np.any(quick, axis=(1, 2)),
+            modes=unstable_modes_of(nominal[:, -1, 2, :, :order], changes),
         )
 
     @cached_property
     def until_stable(self) -> FlightMode:
-        """The flight without its last intervals of one sign of the arm that have no unstable pole.
+        """The flight up to the last interval, of one sign of the moment, with an unstable pole.
 
         A flight that is stable throughout is returned whole.
         """
@@ -239,7 +241,8 @@ class FlightMode:
     def _changes_sign(self, begin: float, end: float) -> bool:
         """Return whether the moment changes its sign from the begin of a wind [s] on.
 
-        It counts up to the time at which flights through a wind that ends at `end` [s] are judged.
+        Changes count up to the time at which flights through the wind are judged: at its `end` [s]
+        or, where the moment changes its sign later, at the last unstable time.
         """
         judged = self.judged_at(np.array(end))
         return bool(np.any((begin < self.sign_changes) & (self.sign_changes < judged)))
@@ -261,7 +264,7 @@ class FlightMode:
         They are among the times of the schedule, with even ones in long intervals between.
         """
         times = self._rows[self._rows <= self.last_unstable]
-        _, paired = leading_pole(self.schedule.plants(times, self.model, self.plane))
+        _pole, paired = leading_pole(self.schedule.plants(times, self.model, self.plane))
         return times[np.broadcast_to(paired, times.shape)]
 
     @cached_property
@@ -272,7 +275,7 @@ class FlightMode:
 
     @cached_property
     def _last_unstable(self) -> float:
-        """The last row with a real unstable pole [s]; minus infinity without one."""
+        """Last of the times `_rows` with a real unstable pole [s]; minus infinity without one."""
         reach = unstable_end(self._plants_at(self._rows))[..., -1]  # NaN without such a pole
         return float(np.max(self._rows[~np.isnan(reach)], initial=-np.inf))
 
@@ -286,7 +289,7 @@ class FlightMode:
 
     def _plants_at(self, t: FloatArray) -> FloatArray:
         """Return ``[A b w]`` at times [s] up to the last unstable one, ``t.shape + (m, m + 2)``."""
-        A, inputs, _, _ = self.schedule.plants(t, self.model, self.plane).matrices()
+        A, inputs, _C, _D = self.schedule.plants(t, self.model, self.plane).matrices()
         equations = np.concatenate([A, inputs], axis=-1)
         return np.broadcast_to(equations, (*t.shape, *equations.shape[-2:]))
 
@@ -294,8 +297,9 @@ class FlightMode:
     def _march(self) -> tuple[FloatArray, FloatArray]:
         """Ends of steps [s] ``(k,)``, and costate and control reach there ``(k, m + 1)``.
 
-        They are integrated backwards from the end of the span, where the
-        vehicle is frozen, and scaled to a costate of length one after each step.
+        The costate p is that of the fastest unstable mode, the control reach R the effect on p.x of
+        a unit deflection constant from then on. They are integrated backwards from the end of the
+        span, where the vehicle is frozen, and scaled to a costate of length one after each step.
         """
         start, stop = self.span
         breakpoints = np.append(self.schedule.times, self.last_unstable)
@@ -318,24 +322,21 @@ class FlightMode:
         """
         h = (end - begin)[..., np.newaxis, np.newaxis]
         times = np.stack([begin, 0.5 * (begin + end), end])
-        first, middle, last = self._rates(times)
+        # p' = -p A and R' = -p b are (p, R)' = -(p, R) [[A, b], [0, 0]]
+        A_b = self._equations(times)[..., :-1]
+        first, middle, last = np.concatenate([A_b, np.zeros_like(A_b[..., :1, :])], axis=-2)
         slopes = [last]  # derivatives of M with time to the end of the step
         for matrix, fraction in ((middle, 0.5), (middle, 0.5), (first, 1.0)):
             slopes.append(matrix + fraction * h * slopes[-1] @ matrix)
         total = slopes[0] + 2.0 * (slopes[1] + slopes[2]) + slopes[3]
         return np.asarray(np.eye(total.shape[-1]) + h / 6.0 * total)
 
-    def _rates(self, t: FloatArray) -> FloatArray:
-        """Return the matrices of (p, R)' = -(p, R) [[A, b], [0, 0]], without their sign.
-
-        `t`: times [s], the shape of the batch.
-        """
-        equations = self._equations(t)[..., :-1]
-        return np.concatenate([equations, np.zeros_like(equations[..., :1, :])], axis=-2)
-
 
 def _length(costate_and_reach: FloatArray) -> FloatArray:
-    """Return the length of the costate p, ``(..., 1)``, from rows (p, R) with the control reach."""
+    """Return the length of costates p, ``(..., 1)``, from rows ``(..., m + 1)`` of p and R.
+
+    R is the control reach, the last number of each row.
+    """
     return np.asarray(np.linalg.norm(costate_and_reach[..., :-1], axis=-1, keepdims=True))
 
 
@@ -410,26 +411,27 @@ def flight_requirements(
     """
     times = [wind.history.probe_times(_SAMPLES_BETWEEN) for wind in winds]
     ends = np.cumsum([t.size for t in times])[:-1]
-    per_wind = np.split(mode.trim_per_wind(np.concatenate(times)), ends) if winds else []
-    complete = [
+    # B, the ratio of trim deflection to wind angle, at the times of each wind
+    trim_ratios = np.split(mode.trim_per_wind(np.concatenate(times)), ends) if winds else []
+    both_signs = [
         two_sided_wind or wind
         for two_sided_wind, wind in zip(two_sided or winds, winds, strict=True)
     ]
-    trimmed = requirements_along(mode, complete, 1.0)
-    banded = np.array(  # (k, n, 3): required deflection, minimum, exit time
-        [trimmed if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands.tolist()]
-    )
+    # required deflection, minimum and exit time of each wind, (n, 3)
+    for_one = requirements_along(mode, both_signs, 1.0)
+    by_band = [for_one if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands]
+    required, _minima, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
     requirements = []
     for i, wind in enumerate(winds):
-        trim = np.abs(per_wind[i] * wind.history(times[i]))
+        trim = np.abs(trim_ratios[i] * wind.history(times[i]))
         largest = int(np.argmax(trim))
         requirements.append(
             FlightRequirement(
-                float(trim[largest]),
-                banded[:, i, 0],
-                float(trimmed[i, 1]),
-                float(times[i][largest]),
-                banded[:, i, 2],
+                trim=float(trim[largest]),
+                required=required[:, i],
+                minimum=float(for_one[i, 1]),
+                trim_time=float(times[i][largest]),
+                times=exits[:, i],
             )
         )
     return requirements
@@ -442,12 +444,13 @@ def requirements_along(
 
     The exit time is that at which the dead band is left with the required limit. Both deflections
     are zero, and the time is NaN, for a calm and a stable flight. `mode`: unstable mode along the
-    flight. `dead_band`: K, from 0 to 1. A wind counts up to the end of `FlightMode.until_stable`.
-    Winds with the same number of steps are marched together, but for flights on a quick path, which
-    are computed one by one since their length depends on the others.
+    flight. `dead_band`: K, from 0 to 1. A wind counts as long as the vehicle has an unstable pole.
+    Winds with the same number of steps are computed together, but for flights on a quick path,
+    which are computed one by one since their length depends on the others.
     """
     result = np.tile([0.0, 0.0, np.nan], (len(winds), 1))
-    groups: dict[Any, list[tuple[int, NominalWind | EncounteredWind]]] = {}
+    # index and wind, by: whether the whole wind counts, index on a quick path, number of steps
+    groups: dict[tuple[bool, int, int], list[tuple[int, NominalWind | EncounteredWind]]] = {}
     for i, wind in enumerate(winds if mode.unstable else ()):
         whole = wind.calm or float(wind.history.end) <= mode.until_stable.span[1]
         flight = mode if whole else mode.until_stable
@@ -455,22 +458,22 @@ def requirements_along(
         if not inner.calm:
             steps = step_times(inner.history, flight).shape[1]
             groups.setdefault((whole, i if flight.quick_path else 0, steps), []).append((i, inner))
-    for (whole, _, steps), members in sorted(groups.items()):
-        together = int(MAX_BATCH_STEPS // steps) + 1
-        for first in range(0, len(members), together):
-            index, blowing = zip(*members[first : first + together], strict=True)
+    for (whole, _quick, steps), members in sorted(groups.items()):
+        batch_size = int(MAX_BATCH_STEPS // steps) + 1
+        for first in range(0, len(members), batch_size):
+            index, batch = zip(*members[first : first + batch_size], strict=True)
             flight = mode if whole else mode.until_stable
-            requirement = varying_requirement(flight, blowing, dead_band)
+            requirement = varying_requirement(flight, batch, dead_band)
             columns = requirement.required, requirement.minimum, requirement.time
             result[list(index)] = np.stack(columns, axis=-1)
     return result
 
 
 def base_requirement(sizing: Sizing) -> Requirement:
-    """Return the name of the requirement of a sizing's first dead band, the largest.
+    """Return the key of the requirement of a sizing's first dead band, the largest.
 
-    It is that with varying parameters if its values are known wherever those with parameters frozen
-    at each flight time are, else that with frozen parameters.
+    It has varying parameters if its values are known wherever those with parameters frozen at each
+    flight time are, else frozen parameters.
     """
     frozen = Requirement(dead_band=sizing.dead_bands[0])
     varying = replace(frozen, varying=True)
@@ -502,6 +505,7 @@ def with_directions(
     unknown, why, K = np.zeros(sizing.known.shape, dtype=bool), "", float(sizing.dead_bands[0])
     base = base_requirement(sizing)
     columns: dict[Requirement, FloatArray] = {}
+    # columns, flight times i and winds j whose requirement is computed below, along the flight
     along: list[tuple[FloatArray, int, int, EncounteredWind]] = []
     for i, j in np.argwhere(sizing.known[:, :pulses]).tolist():
         try:
@@ -555,15 +559,15 @@ def _winds_along(
 ) -> dict[str, EncounteredWind]:
     """Return the pulse of a case along the flight from time `begins` [s], by direction.
 
-    Its speeds are over the speed of the case's vehicle, which has the flight time of the pulse.
     `InputError` beyond linear aerodynamics. `mode`: unstable mode along the flight. `K`: dead band,
-    by which the time of a gust is known.
+    for which the time of a gust is the worst.
     """
     vehicle = complete_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
-    flown = mode.schedule.vehicle
+    along = mode.schedule.vehicle  # the vehicle at all times of the schedule
     paths, speeds = (
-        np.broadcast_to(x, mode.schedule.times.shape) for x in (flown.attitude, flown.velocity)
+        np.broadcast_to(x, mode.schedule.times.shape) for x in (along.attitude, along.velocity)
     )
+    # wind speeds are over the speed of the case's vehicle, that at the flight time of the pulse
     flight = mode.schedule.times, paths, speeds / float(np.asarray(vehicle.velocity))
     in_plane, winds = case.wind_in_plane_at(K), {}
     assert isinstance(in_plane, ShapedWind)

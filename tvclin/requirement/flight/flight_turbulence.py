@@ -97,11 +97,11 @@ class LargestInTurbulence(Shown):
 
         None where the deflection rate has no variance.
         """
-        flown = self._whole()
+        flown = self._whole()  # mean and standard deviation over the whole flight
         if DEFLECTION_RATE not in flown.outputs:
             return None
         of_wind = float(np.trapezoid(np.abs(flown.mean(DEFLECTION_RATE)), flown.times))
-        return Travel(flown.travel(), flown.travel_deviation(), of_wind)
+        return Travel(expected=flown.travel(), deviation=flown.travel_deviation(), of_wind=of_wind)
 
     @property
     @derived("angle")
@@ -361,7 +361,7 @@ def flight_turbulence(
     times : ndarray
         Flight times [s], ``(n,)``, at which a rule designs the gains, and pulses have their peak.
     winds : dict of str to wind
-        Winds by name, see `SizingRequest.winds`.
+        Winds by name, or functions from a vehicle to its wind, as `SizingRequest.winds` returns.
     signed : tuple of bool
         Whether each of the first winds may be a head or a tail wind; False for the others.
 
@@ -373,7 +373,7 @@ def flight_turbulence(
     loop = LoopOverFlight(case, request, schedule, np.asarray(times, dtype=float))
     history = loop.along()
     outputs = [output for output in _OUTPUTS if output in history.outputs]
-    covariances, largest = [history], []
+    covariances, largest = [history], []  # over the flight; largest responses, by wind
     for j, (name, wind) in enumerate(winds.items()):
         if isinstance(wind, MeasuredWind):
             responses = {"": _measured(loop, wind)}
@@ -393,7 +393,14 @@ def flight_turbulence(
         )
         for output in outputs
     }
-    return FlightTurbulence(request, loop.times, rms, tuple(largest), history, loop.is_flexible)
+    return FlightTurbulence(
+        request=request,
+        times=loop.times,
+        rms=rms,
+        winds=tuple(largest),
+        history=history,
+        is_flexible=loop.is_flexible,
+    )
 
 
 class _Responses(NamedTuple):
@@ -426,52 +433,70 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
     responses = []
     for time in times:
         with nullcontext() if time is None else suppress(NotKnownError):  # no such gust there
-            responses.append((0.0, flown(time)))
+            responses.append(flown(time))
     if not responses:
         raise InputError("the gust is not known at any flight time")
-    return _Responses(responses[0][1], responses, lambda: responses[0][1])
+    first, *_ = responses
+    means = [(0.0, response) for response in responses]  # all in flight time
+    return _Responses(covariance=first, means=means, whole=lambda: first)
 
 
 def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _Responses]:
     """Return standard deviations over the flight and responses to a pulse, by its direction.
 
-    `loop`: autopilot and vehicle over the flight. `wind`: a pulse, see `SizingRequest.winds`.
-    `signed`: whether it may be a head or a tail wind. Flight times at which the pulse is not known
-    or zero are omitted.
+    `loop`: autopilot and vehicle over the flight. `wind`: a pulse, or a function from a vehicle to
+    it. `signed`: whether it may be a head or a tail wind. Flight times at which the pulse is not
+    known or zero are omitted.
     """
     case, schedule = loop.case, loop.schedule
-    rows: dict[str, list[tuple[float, float, History, CovarianceHistory]]] = {}
+    rows: dict[str, list[_PulseRow]] = {}  # by direction, at all flight times
     for time in loop.times.tolist():
         vehicle = schedule.at(time)
-        placed = placed_in_planes((case.plane,), wind, vehicle, time, "peak", 1.0)
+        # the window, of 1 s here, is not used for a wind placed by its peak
+        placed = placed_in_planes((case.plane,), wind, vehicle, time, placing="peak", window=1.0)
         in_plane = placed[case.plane]
         if not in_plane.known or in_plane.calm:
             continue
         at_peaks = encountered_winds(vehicle, in_plane, placed, case.sign, signed=signed)
         for direction, at_peak, pulse in at_peaks:
             # the normal force per angle is proportional to the dynamic pressure
-            slopes = (float(np.asarray(x.normal_force_slope)) for x in (at_peak, vehicle))
-            ratio = next(slopes) / next(slopes)
-            row = time, ratio, pulse, loop.response(time, ratio, pulse)
+            at_peak_slope, slope = (
+                float(np.asarray(x.normal_force_slope)) for x in (at_peak, vehicle)
+            )
+            ratio = at_peak_slope / slope
+            row = _PulseRow(time, ratio, pulse, response=loop.response(time, ratio, pulse))
             rows.setdefault(direction, []).append(row)
     return {direction: _of_pulse(loop, of_times) for direction, of_times in rows.items()}
 
 
-def _of_pulse(
-    loop: LoopOverFlight, rows: list[tuple[float, float, History, CovarianceHistory]]
-) -> _Responses:
+class _PulseRow(NamedTuple):
+    """Pulse at a flight time [s], and the response to it.
+
+    `pressure`: ratio of the dynamic pressure in the pulse to the nominal one.
+    """
+
+    time: float
+    pressure: float
+    pulse: History
+    response: CovarianceHistory
+
+
+def _of_pulse(loop: LoopOverFlight, rows: list[_PulseRow]) -> _Responses:
     """Return the responses of a loop over the flight to a pulse of one direction.
 
-    `rows`: flight time [s], ratio of the dynamic pressure to the nominal one, pulse and response of
-    each time. The whole flight has the pulse that moves the nozzle most.
+    `rows`: pulse and response at each flight time. The whole flight has the dynamic pressure in
+    the pulses throughout, and the pulse that moves the nozzle most.
     """
-    order = np.argsort([row[0] for row in rows])
-    times, ratios = (np.array([row[k] for row in rows], dtype=float)[order] for k in (0, 1))
+    in_order = sorted(rows, key=lambda row: row.time)
+    times, ratios = [row.time for row in in_order], [row.pressure for row in in_order]
     pressure = np.interp(loop.schedule.times, times, ratios)  # constant beyond the flight times
-    means = [(float(pulse.onset), response) for _, _, pulse, response in rows]
-    moved = [np.abs(np.diff(response.mean())).sum() for _, response in means]
-    worst = rows[int(np.argmax(moved))][2]
-    return _Responses(loop.along(None, pressure), means, lambda: loop.along(worst, pressure))
+    travels = [np.abs(np.diff(row.response.mean())).sum() for row in rows]  # of the deflection
+    worst = rows[int(np.argmax(travels))]
+    return _Responses(
+        covariance=loop.along(None, pressure),
+        means=[(float(row.pulse.onset), row.response) for row in rows],
+        whole=lambda: loop.along(worst.pulse, pressure),
+    )
 
 
 def _largest(
@@ -480,32 +505,24 @@ def _largest(
     """Return the largest of each quantity, k standard deviations about the mean response.
 
     `name`: name of the wind. `start`: flight time [s] at which the response `mean` begins.
-    `responses`: with the standard deviations over the flight.
+    `responses`: with the standard deviations over the flight, constant beyond its ends.
     """
     times, covariance = mean.times + start, responses.covariance
 
     def sizes(output: str) -> FloatArray:
         """Return the mean size of an output plus k standard deviations, at each time."""
-        return np.abs(mean.mean(output)) + k * _deviation(covariance, times, output)
+        deviation = np.interp(times, covariance.times, covariance.deviation(output))
+        return np.abs(mean.mean(output)) + k * deviation
 
-    # the rate is an output only where it has a variance
-    deflection, smooth = sizes(DEFLECTION), DEFLECTION_RATE in covariance.outputs
+    deflection, has_rate = sizes(DEFLECTION), DEFLECTION_RATE in covariance.outputs
     return LargestInTurbulence(
-        name,
-        float(deflection.max()),
-        float(times[np.argmax(deflection)]),
-        float(sizes(DEFLECTION_RATE).max()) if smooth else None,
-        float(sizes(ANGLE_OF_ATTACK).max()),
-        responses.whole,
+        wind=name,
+        deflection=float(deflection.max()),
+        time=float(times[np.argmax(deflection)]),
+        deflection_rate=float(sizes(DEFLECTION_RATE).max()) if has_rate else None,
+        angle_of_attack=float(sizes(ANGLE_OF_ATTACK).max()),
+        _whole=responses.whole,
     )
-
-
-def _deviation(covariance: CovarianceHistory, times: FloatArray, output: str) -> FloatArray:
-    """Return the standard deviation of an output at flight times [s], constant beyond its ends.
-
-    `covariance`: covariance over the flight.
-    """
-    return np.asarray(np.interp(times, covariance.times, covariance.deviation(output)))
 
 
 def _worst(rows: list[LargestInTurbulence]) -> LargestInTurbulence:

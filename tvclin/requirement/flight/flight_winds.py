@@ -97,16 +97,16 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     `InputError` for a batch of winds, and a wind that never ends or is zero; `NotKnownError` from a
     function that gives the wind.
     """
-    if isinstance(wind, MeasuredWind):
+    if isinstance(wind, MeasuredWind):  # in flight time: its zero is the flight time zero
         first, last = wind.known
         if not first <= time <= last:
-            return PlacedWind(wind.wind * 0.0, 0.0, known=False)
+            return PlacedWind(wind.wind * 0.0, zero=0.0, known=False)
         signed = wind.of_both_signs(vehicle)
         values = signed(signed.probe_times())
         changes_sign = values.min() < 0.0 < values.max()
         return PlacedWind(
             wind(vehicle),
-            0.0,
+            zero=0.0,
             fixed=wind.window is None and wind.gust is None,
             two_sided=signed if changes_sign else None,
             speeds=wind.speeds,
@@ -121,10 +121,11 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         )
     _check_end(history)
     if placing == PEAK:
-        return PlacedWind(history, time - _middle_of_peak(history, history.probe_times()))
+        peak_time = _middle_of_peak(history, history.probe_times())
+        return PlacedWind(history, zero=time - peak_time)
     half = 0.5 * number("window", window, positive, "s")
     in_window = history.before(time + half) - history.before(time - half)
-    return PlacedWind(in_window, 0.0)
+    return PlacedWind(in_window, zero=0.0)
 
 
 def placed_in_planes(
@@ -150,8 +151,8 @@ def placed_in_planes(
         checked_linear(peak_angle(placed))
         return placed
     except NotKnownError as error:
-        none = TriangularWind(peak=1.0, duration=1.0) * 0.0
-        return dict.fromkeys(planes, PlacedWind(none, 0.0, known=False, why=str(error)))
+        calm = TriangularWind(peak=1.0, duration=1.0) * 0.0
+        return dict.fromkeys(planes, PlacedWind(calm, zero=0.0, known=False, why=str(error)))
 
 
 def encountered_winds(
@@ -171,12 +172,15 @@ def encountered_winds(
     tail. `interval`: flight times [s] of a measured wind, whose dynamic pressure is its own.
     """
     wind = (placed.two_sided or placed.history).shift(placed.zero)
-    along, angle = planes.get("pitch"), np.zeros(())
     if interval is not None:
-        speeds = placed.speeds
-        ratio = 1.0 if speeds is None else _at_most(speeds.time, speeds.pressure, interval)
+        ratio = 1.0
+        if placed.speeds is not None:  # q/q_n of the sounding at its times, linear between them
+            times, ratios = placed.speeds.time, placed.speeds.pressure
+            within = times[(times > interval[0]) & (times < interval[1])]
+            ratio = float(np.interp(np.concatenate([interval, within]), times, ratios).max())
         yield "", at_pressure(vehicle, ratio), wind
         return
+    along, angle = planes.get("pitch"), np.zeros(())
     if along is not None and not along.calm and sign != FROZEN:
         angle = np.asarray(along.history.peak)
     ratio = float(pressure_ratio(vehicle.attitude, -np.abs(angle)))  # of a head wind, above one
@@ -188,15 +192,6 @@ def encountered_winds(
         for direction in SIGNS if sign is None else (sign,):
             at_peak = at_pressure(vehicle, ratio) if direction == "head" else vehicle
             yield direction, at_peak, wind * float(SIGNS[direction] * np.sign(angle))
-
-
-def _at_most(times: FloatArray, ratios: FloatArray, interval: FloatArray) -> float:
-    """Return the largest of ratios, given at times [s], in an interval of time ``(2,)`` [s].
-
-    Between the times ratios are interpolated linearly.
-    """
-    within = times[(times > interval[0]) & (times < interval[1])]
-    return float(np.interp(np.concatenate([interval, within]), times, ratios).max())
 
 
 def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
@@ -228,20 +223,15 @@ def place_vector(
 ) -> dict[str, PlacedWind]:
     """Return the components of a wind placed at a flight time [s], by plane.
 
-    `vehicle`: vehicle at this time. `placing`: "peak" or "flight", see `place`. `window`: interval
-    [s] about the time in which a wind in flight time counts.
+    `vehicle`: vehicle at this time. `placing`: "peak" for a wind whose peak is moved to this time,
+    "flight" for a wind in flight time, which counts within half a `window` [s] of it.
     """
     if isinstance(wind, MeasuredPlanes):
         measured = {plane: wind.component(plane, vehicle) for plane in PLANES}
-        calm = (
-            next(
-                wind_in_plane for wind_in_plane in measured.values() if wind_in_plane is not None
-            ).wind
-            * 0.0
-        )
+        calm, *_ = (x.wind * 0.0 for x in measured.values() if x is not None)  # one is not None
         first, last = wind.known
         return {
-            plane: PlacedWind(calm, 0.0, known=first <= time <= last)
+            plane: PlacedWind(calm, zero=0.0, known=first <= time <= last)
             if wind_in_plane is None
             else place(wind_in_plane, vehicle, time, placing, window)
             for plane, wind_in_plane in measured.items()
@@ -255,23 +245,22 @@ def place_vector(
     _check_end(vector)
     components = {plane: getattr(vector, plane) for plane in PLANES}
     if placing == PEAK:
-        shown = np.union1d(vector.pitch.probe_times(), vector.yaw.probe_times())
-        zero = time - _middle_of_peak(vector, shown)
-        return {
-            plane: PlacedWind(wind_in_plane, zero) for plane, wind_in_plane in components.items()
-        }
+        samples = np.union1d(vector.pitch.probe_times(), vector.yaw.probe_times())
+        zero = time - _middle_of_peak(vector, samples)
+        return {plane: PlacedWind(history, zero) for plane, history in components.items()}
     return {
-        plane: place(wind_in_plane, vehicle, time, placing, window)
-        if np.isfinite(wind_in_plane.onset)
-        else PlacedWind(wind_in_plane, 0.0)
-        for plane, wind_in_plane in components.items()
+        plane: place(history, vehicle, time, placing, window)
+        if np.isfinite(history.onset)
+        else PlacedWind(history, zero=0.0)  # calm in this plane
+        for plane, history in components.items()
     }
 
 
 def wind_of(wind: Any, vehicle: Vehicle) -> Any:
     """Return the wind of a vehicle, from a wind or a function from vehicles to winds."""
-    made = callable(wind) and not isinstance(wind, History | PlaneWind)
-    return wind(vehicle) if made else wind
+    # winds are callable too, with times
+    is_function = callable(wind) and not isinstance(wind, History | PlaneWind)
+    return wind(vehicle) if is_function else wind
 
 
 def _check_end(wind: History | PlaneWind) -> None:
@@ -322,7 +311,7 @@ def concurrent_trim(
     ordered = np.sort(times)
     # each flight time stands for the interval to the middles between it and its neighbours
     edges = np.concatenate([ordered[:1], 0.5 * (ordered[1:] + ordered[:-1]), ordered[-1:]])
-    largest = np.full((times.size, len(winds), 2), np.nan)
+    largest = np.full((times.size, len(winds), 2), np.nan)  # trim [rad], and its time [s]
     for j, (name, wind) in enumerate(winds.items()):
         first, last = -np.inf, np.inf
         if isinstance(wind, MeasuredWind | MeasuredPlanes):
@@ -331,11 +320,11 @@ def concurrent_trim(
             continue
         for i, k in enumerate(np.argsort(np.argsort(times)).tolist()):  # k: rank of time i
             low, high = max(edges[k], first), min(edges[k + 1], last)
-            steep = not known[i, j] and first <= times[i] <= last  # beyond linear aerodynamics
-            if low <= high and not steep:
+            beyond_linear = not known[i, j] and first <= times[i] <= last
+            if low <= high and not beyond_linear:
                 vehicle = schedule.at(float(times[i]))
                 largest[i, j] = _largest(schedule, wind, vehicle, planes, limit_shape, (low, high))
-    return ConcurrentTrim(largest[..., 0], largest[..., 1])
+    return ConcurrentTrim(deflection=largest[..., 0], time=largest[..., 1])
 
 
 def _largest(
@@ -354,27 +343,24 @@ def _largest(
     the vector of trim. `interval`: first and last time [s].
     """
     low, high = interval
-    components = {plane: _in_plane(wind, plane, vehicle) for plane in planes}
-    samples = [
-        schedule.times,
-        *(component.probe_times() for component in components.values() if component is not None),
-    ]
-    breakpoints = np.concatenate(samples)
+    winds = {plane: _in_plane(wind, plane, vehicle) for plane in planes}
+    samples = [history.probe_times() for history in winds.values() if history is not None]
+    breakpoints = np.concatenate([schedule.times, *samples])
     even = np.linspace(low, high, _TIMES_PER_INTERVAL)
     t = np.unique(np.concatenate([even, breakpoints[(breakpoints > low) & (breakpoints < high)]]))
     vehicles = schedule.clamped_at(t)
-    slopes = {plane: np.asarray(Coefficients.from_vehicle(vehicles, plane).B) for plane in planes}
-    moments = [
-        slopes[plane] * (0.0 if component is None else component(t)) + np.zeros(t.shape)
-        for plane, component in components.items()
+    B = {plane: np.asarray(Coefficients.from_vehicle(vehicles, plane).B) for plane in planes}
+    by_plane = [
+        B[plane] * (0.0 if history is None else history(t)) + np.zeros(t.shape)
+        for plane, history in winds.items()
     ]
-    trim = (
-        np.abs(moments[0]) if len(moments) == 1 else limit_shape.gauge(moments[0] + 1j * moments[1])
-    )
+    if len(by_plane) == 1:
+        trim = np.abs(by_plane[0])
+    else:
+        pitch, yaw = by_plane
+        trim = limit_shape.gauge(pitch + 1j * yaw)
     # a gust may be in any plane: the larger B counts
-    trim = trim + np.max([np.abs(component) for component in slopes.values()], axis=0) * _gust(
-        wind, vehicle
-    )
+    trim = trim + np.max([np.abs(x) for x in B.values()], axis=0) * _gust(wind, vehicle)
     index = int(np.argmax(trim))
     return float(trim[index]), float(t[index])
 
@@ -389,9 +375,9 @@ def _in_plane(wind: Any, plane: str, vehicle: Vehicle) -> History | None:
         return None if measured is None else measured.wind
     if isinstance(wind, MeasuredWind):
         return wind.wind
-    history = wind_of(wind, vehicle)
-    component: History = getattr(history, plane) if isinstance(history, PlaneWind) else history
-    return component
+    given = wind_of(wind, vehicle)
+    history: History = getattr(given, plane) if isinstance(given, PlaneWind) else given
+    return history
 
 
 def _gust(wind: Any, vehicle: Vehicle) -> float:
