@@ -76,11 +76,12 @@ def air_at(altitude: FloatArray) -> Air:
     height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)  # geopotential
     temperatures, pressures = _bases()
     layer = np.clip(np.searchsorted(_BASES, height, side="right") - 1, 0, _BASES.size - 1)
+    # temperature [K] and its slope [K/m] at the bottom of the layer, and height above it [m]
     base, lapse, above = temperatures[layer], _LAPSES[layer], height - _BASES[layer]
     temperature = base + lapse * above
     pressure = pressures[layer] * np.exp(-_fall(base, lapse, above))
     density = pressure / (_GAS_CONSTANT * temperature)
-    return Air(temperature, pressure, density)
+    return Air(temperature=temperature, pressure=pressure, density=density)
 
 
 def pressure_notes(
@@ -108,12 +109,14 @@ def speed_of_sound(air: Air) -> FloatArray:
 
 
 def density_at(altitude: float) -> float:
-    """Return the density [kg/m^3] of `air_at` at one geometric altitude [m].
+    """Return the density [kg/m^3] of the standard atmosphere at one geometric altitude [m].
 
-    It is plain arithmetic, for every step of a flight; layers are by geopotential height.
+    It is plain arithmetic, for every step of a flight. The outermost layers are continued, as by
+    `air_at`.
     """
     altitude = min(max(altitude, LOWEST - _CONTINUATION), HIGHEST + _CONTINUATION)
-    height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)
+    height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)  # geopotential
+    # height, temperature and pressure at the bottom of the layer, and slope of the temperature
     bottom, base, pressure, lapse = _layers()[max(bisect_right(_BASES, height) - 1, 0)]
     above = height - bottom
     ratio = lapse * above / base
@@ -128,16 +131,17 @@ def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
     `base`: temperature [K] at the bottom. `lapse`: its slope [K/m]. `above`: height above it [m].
     """
     ratio = lapse * above / base
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # mean of base/T over the height above
         mean = np.where(ratio == 0.0, 1.0, np.log1p(ratio) / ratio)
     return STANDARD_GRAVITY * above / (_GAS_CONSTANT * base) * mean
 
 
 @cache
 def _layers() -> list[list[float]]:
-    """Return height [m], temperature [K] and pressure [Pa] at the bottom of each layer, and lapse.
+    """Return geopotential height [m], temperature [K], pressure [Pa] and lapse rate of layers.
 
-    The lapse is the slope of the temperature [K/m]; one row for each layer.
+    One row for each layer, with the values at its bottom. The lapse rate is the slope of the
+    temperature over height [K/m].
     """
     return np.column_stack([_BASES, *_bases(), _LAPSES]).tolist()
 

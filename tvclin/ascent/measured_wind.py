@@ -55,20 +55,19 @@ class SoundingSpeeds:
         plane has the wind of the sounding. `angle`: wind angles at nominal speed [rad], eq (B1e),
         beyond the bias, at the times.
         """
-        path = np.interp(times, self.time, self.path)
-        bias, wind = (
-            {k: np.interp(times, self.time, speed, 0.0, 0.0) for k, speed in speeds.items()}
-            for speeds in (self.bias, self.wind)
+        path = np.interp(times, self.time, self.path)  # [rad]
+        bias, wind = (  # speeds by plane, over the speed of the vehicle; calm beyond the sounding
+            {k: np.interp(times, self.time, speed, left=0.0, right=0.0) for k, speed in x.items()}
+            for x in (self.bias, self.wind)
         )
-        # eq (B1e): sin(angle) = (wind speed/speed of the vehicle) sin(path), in yaw without the
-        # path
+        # sin(angle) = (wind speed/speed of the vehicle) sin(path), in yaw without the path
         speed = np.sin(angle) / (np.sin(path) if plane == "pitch" else 1.0)
         wind[plane] = bias[plane] + speed
         *angles, ratio = wind_angles.wind_triangle(path, wind["pitch"], wind["yaw"])
-        nominal = wind_angles.wind_triangle(path, bias["pitch"], bias["yaw"])
+        *bias_angles, _ratio = wind_angles.wind_triangle(path, bias["pitch"], bias["yaw"])
         k = PLANES.index(plane)
         # the flight path is biased for the mean wind, which makes no angle of attack
-        return angles[k] - nominal[k], ratio
+        return angles[k] - bias_angles[k], ratio
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,12 +143,12 @@ class MeasuredWind:
         return float(self.wind.time[0]), float(self.wind.time[-1])
 
     def __call__(self, vehicle: Vehicle) -> History:
-        """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
-        return self._around(vehicle, 0.0)
+        """Return the wind of one sign around the vehicle's time [s], in flight time."""
+        return self._around(vehicle, opposite=0.0)
 
     def of_both_signs(self, vehicle: Vehicle) -> History:
         """Return the wind around the vehicle's time [s] with the angles of both signs."""
-        return self._around(vehicle, np.inf)
+        return self._around(vehicle, opposite=np.inf)
 
     def samples(self, vehicle: Vehicle) -> tuple[Any, Any]:
         """Return times [s] and angles [rad] of the window around a vehicle's time."""
@@ -175,7 +174,8 @@ class MeasuredWind:
             return around
         gust = gust_at(self.gust, vehicle)
         wind_angles.checked_linear(abs(float(around(time))) + abs(float(gust.peak)))
-        return around + gust.shift(float(time - 0.5 * (gust.onset + gust.end))) * sign
+        middle = 0.5 * (gust.onset + gust.end)
+        return around + gust.shift(float(time - middle)) * sign
 
 
 def _time_of(vehicle: Vehicle) -> float:
@@ -207,12 +207,10 @@ class MeasuredPlanes:
     def __call__(self, vehicle: Vehicle) -> PlaneWind:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
         calm = next(iter(self.parts.values())).wind * 0.0
-        parts = {plane: self.component(plane, vehicle) for plane in PLANES}
+        pitch, yaw = (self.component(plane, vehicle) for plane in PLANES)
         return PlaneWind(
-            **{
-                k: calm if component is None else component(vehicle)
-                for k, component in parts.items()
-            }
+            pitch=calm if pitch is None else pitch(vehicle),
+            yaw=calm if yaw is None else yaw(vehicle),
         )
 
     def component(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
@@ -227,20 +225,23 @@ class MeasuredPlanes:
         return replace(wind, gust=gust_at(self.gust, vehicle) * size) if size else wind
 
     def _direction(self, vehicle: Vehicle) -> dict[str, float]:
-        """Return the unit vector, by plane, of the largest wind around a vehicle's time."""
-        cut = {plane: component.samples(vehicle) for plane, component in self.parts.items()}
-        times = np.unique(np.concatenate([time for time, _ in cut.values()]))
-        angles = {  # of a window without samples nothing is known, and the plane does not count
-            plane: np.interp(times, *component)
-            for plane, component in cut.items()
-            if component[0].size
+        """Return the unit vector, by plane, of the largest wind around a vehicle's time.
+
+        A plane without samples around that time does not count; zero in a calm.
+        """
+        samples = {plane: wind.samples(vehicle) for plane, wind in self.parts.items()}
+        times = np.unique(np.concatenate([time for time, _ in samples.values()]))
+        angles = {  # [rad] at all these times
+            plane: np.interp(times, time, angle)
+            for plane, (time, angle) in samples.items()
+            if time.size
         }
-        size = np.sqrt(sum(component**2 for component in angles.values()) + np.zeros(times.shape))
+        size = np.sqrt(sum(angle**2 for angle in angles.values()) + np.zeros(times.shape))
         if not np.any(size):
             return dict.fromkeys(PLANES, 0.0)
         at = int(np.argmax(size))
         return dict.fromkeys(PLANES, 0.0) | {
-            plane: float(component[at] / size[at]) for plane, component in angles.items()
+            plane: float(angle[at] / size[at]) for plane, angle in angles.items()
         }
 
 
@@ -310,7 +311,8 @@ def fly_through(
         for k in planes
     }
     # the interval of flight times that is known in all planes
-    first, last = (f(time[k] for time, _ in angles.values()) for f, k in ((max, 0), (min, -1)))
+    first = max(time[0] for time, _ in angles.values())
+    last = min(time[-1] for time, _ in angles.values())
     largest = max(float(np.abs(angle).max()) for _, angle in angles.values())
     winds = {
         k: SampledWind(time=time[(inside := (time >= first) & (time <= last))], angle=angle[inside])
@@ -326,9 +328,9 @@ def fly_through(
         for k, wind in winds.items()
     }
     if plane != BOTH:
-        return MeasuredWind(winds[plane], window, gust, notes, speeds[plane])
+        return MeasuredWind(winds[plane], window, gust=gust, notes=notes, speeds=speeds[plane])
     parts = {k: MeasuredWind(wind, window, speeds=speeds[k]) for k, wind in winds.items()}
-    return MeasuredPlanes(parts, gust, notes)
+    return MeasuredPlanes(parts, gust=gust, notes=notes)
 
 
 def _speeds(
@@ -343,21 +345,22 @@ def _speeds(
     `profile`, `bias`: winds over height; None for no bias. `schedule`: the flight. `azimuth`: its
     direction [rad], from north, clockwise. `time`: times of flight [s], ``(n,)``.
     """
-    height = np.interp(time, schedule.time, schedule.height)
-    speed, path = (
-        np.interp(time, schedule.time, component)
-        for component in (schedule.speed, schedule.flight_path_angle)
+    height, speed, path = (
+        np.interp(time, schedule.time, values)
+        for values in (schedule.height, schedule.speed, schedule.flight_path_angle)
     )
-    wind, mean = (
-        {
-            "pitch": np.interp(height, component.height, component.in_plane(azimuth)) / speed,
-            "yaw": np.interp(height, component.height, component.cross_plane(azimuth)) / speed,
+
+    def by_plane(wind: WindProfile | None) -> dict[str, FloatArray]:
+        """Return the speeds of a wind along the flight and across it, over that of the vehicle."""
+        if wind is None:
+            return dict.fromkeys(PLANES, np.zeros(time.shape))
+        along, across = wind.in_plane(azimuth), wind.cross_plane(azimuth)
+        return {
+            "pitch": np.interp(height, wind.height, along) / speed,
+            "yaw": np.interp(height, wind.height, across) / speed,
         }
-        if component is not None
-        else dict.fromkeys(PLANES, np.zeros(time.shape))
-        for component in (profile, bias)
-    )
-    return SoundingSpeeds(time, path, wind, mean)
+
+    return SoundingSpeeds(time=time, path=path, wind=by_plane(profile), bias=by_plane(bias))
 
 
 def _beyond_linear(
@@ -394,7 +397,7 @@ def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
 
     `gust`: its shape, of any peak. `plane`: pitch, yaw or both; for both it is taken as across the
     path, where the angle is largest. The function that is returned raises `NotKnownError` for a
-    vehicle with a wind angle above `MAX_LINEAR_ANGLE`.
+    vehicle with a wind angle beyond linear aerodynamics, 30 deg.
     """
 
     def of_vehicle(vehicle: Vehicle) -> History:
@@ -429,9 +432,9 @@ def cut_samples(wind: SampledWind, low: float, high: float) -> tuple[Any, Any]:
     inside = (wind.time > low) & (wind.time < high)
     times = np.concatenate([[low], wind.time[inside], [high]])
     angles = np.interp(times, wind.time, wind.angle)
-    before = np.flatnonzero(angles[:-1] * angles[1:] < 0.0)
+    before = np.flatnonzero(angles[:-1] * angles[1:] < 0.0)  # samples before a change of sign
     fraction = angles[before] / (angles[before] - angles[before + 1])
-    zero = times[before] + fraction * (times[before + 1] - times[before])
+    zero = times[before] + fraction * (times[before + 1] - times[before])  # time of the change
     between = (times[before] < zero) & (zero < times[before + 1])
     after = before[between] + 1
     return np.insert(times, after, zero[between]), np.insert(angles, after, 0.0)

@@ -266,11 +266,11 @@ class NominalFlight:
         `begin`: state at the vehicle's time, ``(3,)``. `InputError` for a flight that leaves the
         atmosphere before the end.
         """
-        if end == self._time:
+        if end == self._time:  # nothing to integrate: the state of the vehicle at any time
             return lambda t: begin if np.ndim(t) == 0 else np.outer(begin, np.ones(np.size(t)))
         solution = initial_value_solution(self.rates, begin, (self._time, end), _in_atmosphere)
-        if (last := solution.ends[-1]) != end:
-            speed, _, altitude = solution(last) if solution.values.size else begin
+        if (last := solution.ends[-1]) != end:  # time at which the integration stopped
+            speed, _path, altitude = solution(last) if solution.values.size else begin
             raise errors.InputError(
                 f"the nominal flight does not reach t = {end:.6g} s: at {last:.6g} s it is at"
                 f" {altitude:.6g} m with {speed:.6g} m/s; ask for a shorter span"
@@ -281,7 +281,8 @@ class NominalFlight:
 def _in_atmosphere(states: FloatArray) -> bool:
     """Return whether states, ``(3, ...)``, all move within the atmosphere, not straight up or down.
 
-    They are velocity [m/s], flight path angle [rad] and altitude [m].
+    They are velocity [m/s], flight path angle [rad] and altitude [m]. Below 1 m/s the path angle,
+    whose rate is -g cos(gamma)/V, is not followed.
     """
     speed, path, altitude = states
     inside = (altitude > LOWEST) & (altitude < HIGHEST)
@@ -335,12 +336,12 @@ def _integrated_once(
     `condition`: altitude and specific impulse. `begin`, `end`: the span [s]. `InputError` where the
     mass is used up, or the flight leaves the atmosphere.
     """
-    flight = NominalFlight(vehicle, condition, begin, end)
+    flight = NominalFlight(vehicle, condition, start=begin, stop=end)
     if flight.mass(end) <= 0.0:
         raise errors.InputError(
             f"the mass is used up before t = {end:.6g} s; ask for a shorter span"
         )
-    _ = flight._solutions
+    _ = flight._solutions  # integrates, and stores the solutions in the flight
     return flight
 
 

@@ -342,8 +342,12 @@ class FlightSchedule(Shown):
             for end, step in ((flight.start, -width), (flight.stop, width))
         )
         times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
-        _, _, altitude = flight.states(times)
-        return cls(flight.vehicle_at(times), flight.deflection(times), altitude)
+        _speed, _path, altitude = flight.states(times)
+        return cls(
+            flight.vehicle_at(times),
+            nominal_deflection=flight.deflection(times),
+            altitude=altitude,
+        )
 
 
 def _check_structure(structure: StructureSchedule | None, times: FloatArray) -> None:
@@ -370,9 +374,10 @@ def vehicles_at(
     They are constant outside the schedule. `time`: times, ``(...)``. `which`: index of the flight
     of each, ``(...)``. `pressure`: dynamic pressure over the nominal one, q/q_n, ``(...)``.
     """
-    lines = TableLines(flights[0].times, time, which)
+    lines = TableLines(rows=flights[0].times, at=time, table=which)
     tables = [_numbers(flight.vehicle) for flight in flights]
     numbers = {name: lines.values([table[name] for table in tables]) for name in tables[0]}
+    # normal and axial force are in proportion to the dynamic pressure
     numbers |= {name: np.multiply(numbers[name], pressure) for name in AIR_FORCES}
     structures = [flight.structure for flight in flights if flight.structure is not None]
     if structures:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -102,10 +103,10 @@ def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> A
     """
     if time is None:
         return load_any_vehicle(source)
-    of_structure = {"bending", "slosh", "engine", "sensors", "structure"}
+    structure_tables = {"bending", "slosh", "engine", "sensors", "structure"}
     if (
         not vehicle_file.is_schedule(source)
-        and vehicle_file.source_tables(source).keys() & of_structure
+        and vehicle_file.source_tables(source).keys() & structure_tables
     ):
         raise InputError(
             f"{called(source)} has a structure, which is known at the vehicle's own time alone:"
@@ -119,10 +120,10 @@ def load_vehicle_at(source: str | PathLike[str], time: float | None = None) -> A
 def schedule_of(
     table: dict[str, Any], source: str, folder: Path, common: Structure | None = None
 ) -> FlightSchedule:
-    """Return the schedule of a table of lists by the keys of vehicle files; see `load_schedule`.
+    """Return the schedule of a table [schedule] of a TOML file: lists by the keys of vehicle files.
 
-    `source`: name of the file of the table. `folder`: folder of the table of its structure.
-    `common`: engine and sensors of the structure.
+    `source`: name of the file. `folder`: folder of the table of its structure. `common`: engine and
+    sensors of the structure, which do not change over the flight.
     """
     return _from_rows(_toml_rows(table, source), source, folder, common)
 
@@ -165,21 +166,22 @@ def _from_rows(
     vehicles, others = [], []
     for label, row in _with_inertia_rates(rows):
         with naming(f"{source}, {label}"):
-            of_flight = [key for key in FLIGHT_COLUMNS.keys if key in row]
-            others.append(FLIGHT_COLUMNS.read({key: row.pop(key) for key in of_flight}))
+            # altitude, nominal deflection and actuator; the other keys are those of a vehicle
+            keys = [key for key in FLIGHT_COLUMNS.keys if key in row]
+            others.append(FLIGHT_COLUMNS.read({key: row.pop(key) for key in keys}))
             vehicles.append(vehicle_file.build_vehicle(row))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
     times = [float(np.asarray(v.time)) for v in vehicles]
-    for (label, _), before, now in zip(rows[1:], times, times[1:], strict=False):
+    for (label, _), (before, now) in zip(rows[1:], pairwise(times), strict=True):
         if now <= before:
             raise InputError(f"{source}, {label}: time_s must rise; got {now:g} after {before:g}")
     first = vehicles[0]
     names = [name for name in NUMBERS if getattr(first, name) is not None]
-    columns: dict[str, Any] = {name: [getattr(v, name) for v in vehicles] for name in names}
-    flown: dict[str, Any] = {key: [values.get(key) for values in others] for key in others[0]}
+    numbers: dict[str, Any] = {name: [getattr(v, name) for v in vehicles] for name in names}
+    of_flight: dict[str, Any] = {key: [values.get(key) for values in others] for key in others[0]}
     with naming(source):
-        schedule = FlightSchedule(Vehicle(name=first.name, **columns), notes=notes, **flown)
+        schedule = FlightSchedule(Vehicle(name=first.name, **numbers), notes=notes, **of_flight)
         for name in structures:
             schedule = with_structure(schedule, name, folder, common)
     return schedule
@@ -190,28 +192,35 @@ def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
 
     All rows, without a note, if the first moves or none does.
     """
-    speeds = [
-        key for key, (name, _) in vehicle_file.VEHICLE_TABLE.keys.items() if name == "velocity"
-    ]
-    still = 0
-    while still < len(rows) and any(rows[still][1].get(key) == 0.0 for key in speeds):
-        still += 1
-    if not still or still == len(rows):
+    # keys of the velocity, each with its unit
+    keys = [key for key, (name, _) in vehicle_file.VEHICLE_TABLE.keys.items() if name == "velocity"]
+    at_rest = 0  # number of the first rows with the velocity zero
+    for label, values in rows:
+        if not any(values.get(key) == 0.0 for key in keys):
+            break
+        at_rest, last_label = at_rest + 1, label
+    if not at_rest or at_rest == len(rows):
         return rows, ()
-    after = f"{rows[still - 1][0]}, after which it begins"
-    return rows[still:], (f"the vehicle does not move before {after}",)
+    note = f"the vehicle does not move before {last_label}, after which it begins"
+    return rows[at_rest:], (note,)
 
 
 def _numbers_of(rows: list[Row], *names: str) -> list[dict[str, float]]:
     """Return the numbers of rows in SI units by name; empty where one of `names` is missing."""
-    keys = vehicle_file.VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys
-    values = [
-        {keys[key][0]: value * keys[key][1] for key, value in row.items() if key in keys}
-        for _, row in rows
-        if all(isinstance(value, float | int) for key, value in row.items() if key in keys)
-    ]
-    complete = len(values) == len(rows) and all(set(names) <= set(v) for v in values)
-    return values if complete else []
+    keys = vehicle_file.VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys  # name and factor to SI by key
+    numbers = []
+    for _label, row in rows:
+        values = {key: value for key, value in row.items() if key in keys}
+        if not all(isinstance(value, float | int) for value in values.values()):
+            return []
+        by_name = {}
+        for key, value in values.items():
+            name, factor = keys[key]
+            by_name[name] = value * factor
+        if not set(names) <= by_name.keys():
+            return []
+        numbers.append(by_name)
+    return numbers
 
 
 def _pressure_notes(rows: list[Row]) -> Iterator[str]:

@@ -156,8 +156,8 @@ def load_structure(
     )
     with naming(sheet.text.source):
         return StructureSchedule(
-            np.array(times),
-            replace(common, bending=bending, slosh=slosh),
+            times=np.array(times),
+            structure=replace(common, bending=bending, slosh=slosh),
             modes=tuple(kinds[BendingMode]),
             tanks=tuple(kinds[SloshTank]),
             notes=tuple(notes),
@@ -219,10 +219,11 @@ def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode 
         for key, cell in row.items()
     }
     time = values.pop("time_s")
-    masses = [  # the modal mass of a mode, or the mass of a tank, as far as the row has one
+    # of the modal mass of a mode and the mass of a tank, in any unit, those that the row has
+    masses = [
         mass
         for mass, table in _TABLES.items()
-        if any(table.keys.get(key, ("",))[0] == mass for key in values)
+        if any(key in table.keys and table.keys[key][0] == mass for key in values)
     ]
     if len(masses) != 1:
         raise InputError(
@@ -292,17 +293,17 @@ def structures_at(
 
     `time`: times, ``(...)``. `which`: index of the schedule of each, ``(...)``.
     """
-    lines = TableLines(schedules[0].times, time, which)
+    lines = TableLines(rows=schedules[0].times, at=time, table=which)
     structure: Structure = _interpolated([schedule.structure for schedule in schedules], lines)
     return structure
 
 
 def _interpolated(values: Sequence[Any], lines: TableLines) -> Any:
-    """Return a record, tuple, array or number, interpolated over the times of several schedules.
+    """Return a record, tuple, array or number of several schedules, interpolated in time.
 
     Records and tuples are interpolated field by field; filters, texts and None do not change over
-    the flight, taken from the first schedule. `values`: one for each schedule, all of one
-    type. `lines`: the schedule and time of each result.
+    the flight, and are those of the first schedule. `values`: one for each schedule, all of one
+    type. `lines`: times at which the schedules are read, and which one at each.
     """
     first = values[0]
     if isinstance(first, tuple):

@@ -114,19 +114,18 @@ def wind_along(
         raise InputError("gust_time is that of the gust of a sounding: add a pulse to a history")
     if sign == wind_angles.FROZEN or not np.any(np.isfinite(wind.onset)):
         return WindAlong(wind)
-    in_pitch = 0.0  # sign by which the largest angle becomes that of the direction
-    if plane == "pitch":
-        in_pitch = wind_angles.SIGNS[sign or "head"] * float(np.sign(wind.peak))
-    directions = np.asarray(in_pitch), np.asarray(float(plane != "pitch"))
+    in_pitch, in_yaw = 0.0, 1.0
+    if plane == "pitch":  # the sign by which the largest angle becomes that of the direction
+        in_pitch, in_yaw = wind_angles.SIGNS[sign or "head"] * float(np.sign(wind.peak)), 0.0
     paths = flight.flight_path_angle
     encountered = wind_angles.EncounteredWind(
-        plane,
-        paths[0],
-        wind,
-        None,
-        directions,
-        (0.0, 0.0),
-        (flight.times, paths, np.ones(paths.shape)),
+        plane=plane,
+        path=paths[0],
+        angle=wind,
+        speed=None,
+        of_angle=(np.asarray(in_pitch), np.asarray(in_yaw)),
+        of_speed=(0.0, 0.0),  # of no wind that is given by its speed
+        flight=(flight.times, paths, np.ones(paths.shape)),
     )
     encountered.check_possible()
     return WindAlong(wind, encountered)
@@ -172,7 +171,7 @@ def sounding_along(
         return WindAlong(history, known=known)
     encountered = FlightWind(history, plane, speeds)
     knots = history.knots
-    # linear samples of what the encountered angle has more than the nominal one
+    # the difference of encountered and nominal angle is sampled, with straight lines between
     parts = np.maximum(np.ceil(np.diff(knots) / _MAX_INTERVAL_S), 1.0).astype(int)
     between = [
         np.linspace(a, b, n, endpoint=False)
@@ -180,9 +179,9 @@ def sounding_along(
     ]
     times = np.unique(np.concatenate([*between, knots[-1:]]))
     inside = np.minimum(times, np.nextafter(knots[-1], -np.inf))  # zero from the last knot on
-    angle, _ = encountered.at(inside[np.newaxis])
-    change = angle[0] - history(inside)
-    return WindAlong(history + SampledWind(time=times, angle=change), encountered, known)
+    (angle,), _ratio = encountered.at(inside[np.newaxis])
+    change = SampledWind(time=times, angle=angle - history(inside))
+    return WindAlong(history + change, encountered, known)
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,10 +258,10 @@ def _sounding_in_planes(
     winds = {}
     for plane in PLANES:
         component = wind.component(plane, vehicle)
-        if component is None:
-            windy = next(iter(wind.parts.values()))
-            calm, speeds = windy.wind * 0.0, None if sign == wind_angles.FROZEN else windy.speeds
-            winds[plane] = sounding_along(calm, speeds, plane, wind.known)
+        if component is None:  # a calm plane: the other one has the wind speeds of both
+            other = next(iter(wind.parts.values()))
+            speeds = None if sign == wind_angles.FROZEN else other.speeds
+            winds[plane] = sounding_along(other.wind * 0.0, speeds, plane, wind.known)
         else:
             time = None if component.gust is None else gust_time
             winds[plane] = wind_along(flight, component, plane, sign, time)

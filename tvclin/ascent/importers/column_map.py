@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
+from typing import NamedTuple
 
 import numpy as np
 
@@ -86,16 +87,27 @@ def read_table(
     ((1.0, 5.0), 1.214)
     """
     wanted = map_of(columns, QUANTITIES)
-    time = str(wanted["time"][2])
-    missing = f"column names with {shown(time)} among them"
+    missing = f"column names with {shown(str(wanted['time'].source))} among them"
     sheet = read_sheet(path, "a table of a flight", fit_of(wanted), missing)
     read = mapped_columns(sheet, wanted, QUANTITIES)
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=read, notes=sheet.notes)
     return schedule_of_flight(powered(flight, start, stop), "mapped table", max_rows)
 
 
-Wanted = dict[str, tuple[str, float | None, str | float]]
-"""By quantity: the key in the map, the factor of its unit if it has one, and the source."""
+class MapEntry(NamedTuple):
+    """Entry of a map from quantities to columns.
+
+    `key`: key of the quantity in the map. `factor`: factor to SI of the unit in the key; None where
+    the column names its unit. `source`: name of the column, or a constant.
+    """
+
+    key: str
+    factor: float | None
+    source: str | float
+
+
+Wanted = dict[str, MapEntry]
+"""Entries of a map by quantity."""
 
 
 def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) -> Wanted:
@@ -114,18 +126,18 @@ def map_of(columns: Mapping[str, str | float], quantities: Mapping[str, str]) ->
     table_keys = table.keys
     mapped: Wanted = {}
     for key, source in columns.items():
-        bare = key if isinstance(key, str) and key in quantities else None
-        if bare is None and key not in table_keys:
+        without_unit = isinstance(key, str) and key in quantities
+        if not without_unit and key not in table_keys:
             raise InputError(_unknown_key(table, key))
-        name, factor = (bare, None) if bare is not None else table_keys[key]
+        name, factor = (key, None) if without_unit else table_keys[key]
         if name in mapped:
-            raise InputError(f"columns has {name} twice, as {mapped[name][0]} and {key}; keep one")
+            raise InputError(f"columns has {name} twice, as {mapped[name].key} and {key}; keep one")
         if not isinstance(source, str):
             number(f"columns: {key}", source)
             if factor is None and quantities[name] != "number":
                 unit = next(iter(UNITS[quantities[name]]))
                 raise InputError(f"columns: {key} is a number without a unit; write {name}_{unit}")
-        mapped[name] = (key, factor, source)
+        mapped[name] = MapEntry(key, factor, source)
     _check_complete(mapped)
     return mapped
 
@@ -147,10 +159,10 @@ def _check_complete(mapped: Wanted) -> None:
 
     `mapped`: its entries by quantity.
     """
-    if "time" not in mapped or not isinstance(mapped["time"][2], str):
+    if "time" not in mapped or not isinstance(mapped["time"].source, str):
         raise InputError("columns must name the column of the time, as time = 'Time (s)'")
     for name in (*_DIRECT, *_FACTORS):
-        factors = _FACTORS.get(name, ())
+        factors = _FACTORS.get(name, ())  # quantities from which it may be computed
         if name in mapped and factors and factors[-1] in mapped:
             raise InputError(f"columns has both {name} and {factors[-1]}; keep one")
         if name not in mapped and not (factors and mapped.keys() >= set(factors)):
@@ -163,10 +175,10 @@ def fit_of(wanted: Wanted) -> Fit:
 
     `wanted`: entries of the map by quantity.
     """
-    names = {
-        " ".join(heading[2].split()) for heading in wanted.values() if isinstance(heading[2], str)
-    }
-    time = " ".join(str(wanted["time"][2]).split())
+    # names of columns, with single blanks
+    sources = [entry.source for entry in wanted.values()]
+    names = {" ".join(source.split()) for source in sources if isinstance(source, str)}
+    time = " ".join(str(wanted["time"].source).split())
 
     def fit(headings: Headings) -> float:
         """Return the number of mapped columns among the headings of a line."""
@@ -192,20 +204,16 @@ def mapped_columns(
 
     `wanted`: entries of the map by quantity. `quantities`: kind of unit of each quantity.
     """
-    return {
-        name: _column(sheet, name, quantities[name], *heading) for name, heading in wanted.items()
-    }
+    return {name: _column(sheet, name, quantities[name], entry) for name, entry in wanted.items()}
 
 
-def _column(
-    sheet: Sheet, name: str, dimension: str, key: str, factor: float | None, source: str | float
-) -> Column:
+def _column(sheet: Sheet, name: str, dimension: str, entry: MapEntry) -> Column:
     """Return the column [SI] of a quantity from a sheet, or a constant one.
 
-    `name`, `dimension`: name of the quantity, and kind of its unit. `key`: its key in the map.
-    `factor`: factor to SI of the unit of the key; None where the column names its unit. `source`:
-    name of the column, or the constant.
+    `name`, `dimension`: name of the quantity, and kind of its unit. `entry`: its key in the map,
+    the unit of the key, and the name of the column or the constant.
     """
+    key, factor, source = entry
     if not isinstance(source, str):
         value = float(source) * (1.0 if factor is None else factor)
         return Column(np.full(sheet.line.size, value), f"given, {key} = {source:g}")
@@ -244,9 +252,8 @@ def _column(
 def _is_coefficient(heading: Heading) -> bool:
     """Return whether a column, by its heading, holds the coefficient C_N itself, not its slope."""
     name = letters(heading.name)
-    slope = ("alpha", "derivative", "slope", "cna", "perrad", "perdeg", "cla")
-    if any(not c.isascii() for c in heading.name):  # an alpha, or what became of it
+    slope_words = ("alpha", "derivative", "slope", "cna", "perrad", "perdeg", "cla")
+    # a letter beyond ASCII is an alpha, or what became of it
+    if not heading.name.isascii() or any(word in name for word in slope_words):
         return False
-    return ("coefficient" in name or name in ("cn", "cl", "cnpotential")) and not any(
-        word in name for word in slope
-    )
+    return "coefficient" in name or name in ("cn", "cl", "cnpotential")

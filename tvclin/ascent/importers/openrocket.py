@@ -9,7 +9,6 @@ import numpy as np
 
 from tvclin.ascent.importers import powered_flight
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.arrays import BoolArray
 from tvclin.base.errors import InputError, between, finite, number, shown
 from tvclin.base.sheet import Column, Headings, Sheet, letters, read_sheet
 
@@ -58,11 +57,11 @@ def _export(path: str | PathLike[str]) -> Sheet:
 
     def fit(headings: Headings) -> float:
         """Return how well the headings of a line fit: one, and one for each needed column."""
-        here = {name for heading in headings if heading.unit is not None for name in heading.names}
-        with_units = sum(heading.unit is not None for heading in headings)
-        if "time" not in here and with_units < _WITH_UNITS:
+        with_units = [heading for heading in headings if heading.unit is not None]
+        available = {name for heading in with_units for name in heading.names}
+        if "time" not in available and len(with_units) < _WITH_UNITS:
             return 0.0
-        return 1.0 + sum(name in here for name in names)
+        return 1.0 + sum(name in available for name in names)
 
     missing = (
         "column names with their units, such as Time (s); export it again with field descriptions"
@@ -192,7 +191,11 @@ def _slope_column(sheet: Sheet) -> dict[str, Column]:
 
 
 def _unread(sheet: Sheet) -> list[str]:
-    """Return notes on columns of a sheet, of damping and of an ambiguous rate, not read."""
+    """Return notes on columns of a sheet that are not read.
+
+    They are a part of the damping where the whole is missing, and a damping coefficient whose name
+    does not say to which rate it refers.
+    """
     headings, notes = sheet.headings, []
     if not any(letters(_DAMPING) in heading.names for heading in headings):
         notes = [
@@ -200,10 +203,10 @@ def _unread(sheet: Sheet) -> list[str]:
             for heading in headings
             if heading.names[0].startswith(letters(_DAMPING))
         ]
-    for heading in headings:
-        if letters(_UNREAD) in heading.names:
-            why = "for its name does not say which rate it refers to"
-            return [*notes, f"not read: column {heading.text}, {why}"]
+    ambiguous = [heading.text for heading in headings if letters(_UNREAD) in heading.names]
+    if ambiguous:
+        why = "for its name does not say which rate it refers to"
+        notes.append(f"not read: column {ambiguous[0]}, {why}")
     return notes
 
 
@@ -216,8 +219,8 @@ def _damping(flight: powered_flight.Flight) -> tuple[dict[str, Column], list[str
     if "damping" not in flight.columns:
         return {}, []
     damping = flight.columns["damping"]
-    exit_arm = flight["gimbal_station"] - flight["gravity_station"]
-    jet = -np.gradient(flight["mass"], flight["time"]) * exit_arm**2
+    control_arm = flight["gimbal_station"] - flight["gravity_station"]
+    jet = -np.gradient(flight["mass"], flight["time"]) * control_arm**2  # [N m s]
     smallest = int(np.argmin(damping.values))
     if damping.values[smallest] < 0.0:
         return {}, [
@@ -248,7 +251,7 @@ def _rounded(sheet: Sheet, flight: powered_flight.Flight) -> list[str]:
         if heading is None or name not in flight.columns:
             continue
         written = [row[heading.index] for row in sheet.cells]
-        if any("e" in cell.lower() for cell in written):
+        if any("e" in cell.lower() for cell in written):  # with an exponent: digits, not decimals
             continue
         decimals = max(len(cell.partition(".")[2]) for cell in written)
         # half of the last decimal, in SI units, over the number
@@ -259,17 +262,6 @@ def _rounded(sheet: Sheet, flight: powered_flight.Flight) -> list[str]:
                 " percent of it; export more, or another unit"
             )
     return notes
-
-
-def _free(sheet: Sheet, flight: powered_flight.Flight) -> BoolArray:
-    """Return whether each row of a flight is free: beyond the rod, with a centre of pressure.
-
-    Shape ``(n,)``. The event of leaving the rod is in a comment of the sheet.
-    """
-    events = [_ROD.search(content) for content in sheet.text.lines]
-    times = [float(event[1]) for event in events if event is not None]
-    cleared = min((time for time in times if np.isfinite(time)), default=-np.inf)
-    return np.isfinite(flight["pressure_station"]) & (flight["time"] >= cleared)
 
 
 _WINDY = 0.02
@@ -346,7 +338,12 @@ def read_openrocket(
     sheet = _export(path)
     columns, notes = _columns(sheet, ground, slope_column=slope is None)
     flight = powered_flight.Flight(source=sheet.text.source, places=sheet.places, columns=columns)
-    flight = powered_flight.powered(flight, start, stop, _free(sheet, flight))
+    # rows in free flight have left the rod, by the event in a comment, and a centre of pressure
+    events = [_ROD.search(content) for content in sheet.text.lines]
+    rod_times = [float(event[1]) for event in events if event is not None]
+    cleared = min((time for time in rod_times if np.isfinite(time)), default=-np.inf)
+    free = np.isfinite(flight["pressure_station"]) & (flight["time"] >= cleared)
+    flight = powered_flight.powered(flight, start, stop, free)
     if slope is not None:
         flight = flight.with_columns(
             normal_force_coefficient_slope=powered_flight.specified_slope(flight, slope)

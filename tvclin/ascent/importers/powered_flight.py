@@ -41,8 +41,9 @@ Slope = ArrayLike | str | PathLike[str] | tuple[ArrayLike, ArrayLike]
 def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
     """Return the slope dC_N/dalpha [1/rad] at Mach numbers, ``(n,)``.
 
-    `slope_source`: a number, a pair of rows over Mach, or a file as in `read_slopes`. Straight
-    lines between the Mach numbers of a pair or a file; `InputError` for some beyond them.
+    `slope_source`: a number, a pair of Mach numbers and slopes, or a table that RASAero II or
+    OpenRocket exports. Straight lines between the Mach numbers of a pair or a file; `InputError`
+    for some beyond them, except that below Mach 0.3 the first slope counts.
     """
     if isinstance(slope_source, str | PathLike):
         at, slope = read_slopes(slope_source)
@@ -106,14 +107,15 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
     force = sheet.numbers(heading, "number").values
     # smallest angle of attack above zero at each Mach number, and whether a row has it
     smallest = {m: min(alpha[(mach == m) & (alpha > 0.0)], default=np.nan) for m in np.unique(mach)}
-    first = np.array([alpha[i] == smallest.get(mach[i]) for i in range(mach.size)])
-    if not np.any(first):
+    at_smallest = np.array([alpha[i] == smallest.get(mach[i]) for i in range(mach.size)])
+    if not np.any(at_smallest):
         raise errors.InputError(
             f"{sheet.text.source} holds no angle of attack above zero; export it with Alpha 0, 2, 4"
         )
     origin = f"{sheet.text.source}, column {heading.text} over the smallest Alpha"
-    order = np.argsort(mach[first], kind="stable")
-    return _checked(mach[first][order], (force[first] / alpha[first])[order], origin)
+    mach, slope = mach[at_smallest], force[at_smallest] / alpha[at_smallest]
+    order = np.argsort(mach, kind="stable")
+    return _checked(mach[order], slope[order], origin)
 
 
 def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
@@ -171,6 +173,8 @@ def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArr
 
 _BURNING = 0.05
 """Fraction of the largest thrust below which the motor counts as burnt out."""
+_RESTARTED = 0.5
+"""Fraction of the largest thrust above which a motor that was burnt out burns again."""
 _MIN_POSITIVE, _MAX_SIZE = 1e-12, 1e12
 """Bounds of the numbers of a flight in SI units: of positive ones below, of all sizes above."""
 _POSITIVE = {
@@ -229,42 +233,43 @@ def powered(
 ) -> Flight:
     """Return the rows of one burn; `InputError` where a number of them is missing.
 
-    It ends before the first row with less than `_BURNING` of the largest thrust. `start`, `stop`:
-    earliest and latest time [s]. `free`: whether each row is in free flight, by its centre of
-    pressure; every row without it.
+    It begins with the first row that moves in free flight with thrust, and ends before the first
+    with less than 5 percent of the largest thrust. `start`, `stop`: earliest and latest time [s].
+    `free`: whether each row is in free flight, off the rod; by default every row is.
     """
     time, thrust = flight["time"], flight["thrust"]
     _check_times(flight)
     low = -np.inf if start is None else errors.number("start", start, unit="s")
     high = np.inf if stop is None else errors.number("stop", stop, unit="s")
     inside = (time >= low) & (time <= high)
-    later = np.append(np.diff(time) > 0.0, True)  # of rows at one time the last counts
-    index = np.flatnonzero(inside & later)
+    last_of_time = np.append(np.diff(time) > 0.0, True)  # of rows at one time the last counts
+    index = np.flatnonzero(inside & last_of_time)
     thrust_or_zero = np.nan_to_num(thrust[index], nan=0.0)
     largest = max(thrust_or_zero, default=0.0)
     if not largest > 0.0:
         raise errors.InputError(
             f"{flight.source} has no thrust between start and stop; give the times of a burn"
         )
-    out = np.isfinite(thrust[index]) & (thrust_or_zero < _BURNING * largest)
-    moving = ~(flight["velocity"][index] <= 0.0)
+    burnt_out = np.isfinite(thrust[index]) & (thrust_or_zero < _BURNING * largest)
+    moving = ~(flight["velocity"][index] <= 0.0)  # so is a row whose speed is missing
     launched = True if free is None else free[index]
-    first = np.flatnonzero(~out & moving & launched)
-    if not first.size:
+    flying = np.flatnonzero(~burnt_out & moving & launched)
+    if not flying.size:
         raise errors.InputError(
             f"{flight.source} has no row of a free flight with thrust: where the motor burns, the"
             " centre of pressure or the speed is missing or zero in every row"
         )
-    after = np.flatnonzero(out[first[0] :])
-    last = first[0] + after[0] if after.size else index.size
-    burn = flight.rows(index[first[0] : last])
+    first = flying[0]
+    after = np.flatnonzero(burnt_out[first:])
+    end = first + after[0] if after.size else index.size
+    burn = flight.rows(index[first:end])
     for name, column in burn.columns.items():
         _check_numbers(burn, name, column)
     if len(burn.places) < 2:
         raise errors.InputError(
             f"{flight.source} must hold two or more rows of powered flight; got {len(burn.places)}"
         )
-    return burn.noted(*_omitted(flight, inside & ~later, index, first[0], last))
+    return burn.noted(*_omitted(flight, inside & ~last_of_time, index, first, end))
 
 
 def _check_times(flight: Flight) -> None:
@@ -297,36 +302,37 @@ def _check_numbers(flight: Flight, name: str, column: Column) -> None:
 
 
 def _omitted(
-    flight: Flight, twice: BoolArray, index: IndexArray, first: int, last: int
+    flight: Flight, repeated: BoolArray, index: IndexArray, first: int, end: int
 ) -> list[str]:
     """Return notes on the powered flight, and on the rows of a file that are omitted.
 
-    `flight`: all rows of the file. `twice`: whether the row after each row of the file has the same
-    time. `index`: rows of distinct times, ``(n,)``. `first`, `last`: range of the powered flight
-    within `index`.
+    `flight`: all rows of the file. `repeated`: whether the row after each row of the file has the
+    same time. `index`: rows of distinct times, ``(n,)``. `first`, `end`: the powered flight is
+    ``index[first:end]``.
     """
     time = flight["time"][index]
-    taken = plural(last - first, "row")
-    notes = [f"powered flight from {time[first]:g} to {time[last - 1]:g} s: {taken}"]
+    notes = [
+        f"powered flight from {time[first]:g} to {time[end - 1]:g} s: {plural(end - first, 'row')}"
+    ]
     if first:
         notes.append(
             f"{plural(first, 'row')} before it left out: on the launch rod, or without thrust"
         )
-    if last < time.size:
+    if end < time.size:
         notes.append(
-            f"{plural(time.size - last, 'row')} after it left out: thrust below"
-            f" {100 * _BURNING:g} percent of its largest from {time[last]:g} s on"
+            f"{plural(time.size - end, 'row')} after it left out: thrust below"
+            f" {100 * _BURNING:g} percent of its largest from {time[end]:g} s on"
         )
-        restarted = np.nan_to_num(flight["thrust"][index[last:]]) > 0.5 * max(
-            flight["thrust"][index]
-        )
+        thrust = flight["thrust"][index]
+        restarted = np.nan_to_num(thrust[end:]) > _RESTARTED * max(thrust)
         if np.any(restarted):
             notes.append(
-                f"the thrust comes back at {time[last + int(np.argmax(restarted))]:g} s: that"
+                f"the thrust comes back at {time[end + int(np.argmax(restarted))]:g} s: that"
                 " burn is read with start (--from) at that time"
             )
-    if np.any(twice):
-        notes.append(f"{plural(int(np.sum(twice)), 'row')} at the time of the next row left out")
+    if np.any(repeated):
+        count = int(np.sum(repeated))
+        notes.append(f"{plural(count, 'row')} at the time of the next row left out")
     return notes
 
 
@@ -422,12 +428,12 @@ def _check_masses(flight: Flight, weight: FloatArray) -> None:
             f" {largest:g} for a booster; got {ratio[best]:.3g}, so check the units of mass and"
             " thrust"
         )
-    # m' = -T/c: what one step burns, at the smallest exhaust speed c, and what is lost in it
+    # m' = -T/c: the most that a step burns, at the smallest exhaust speed c, and the rounding
     mass = weight / STANDARD_GRAVITY
     thrust = np.maximum(flight["thrust"][:-1], flight["thrust"][1:])
-    burnt = thrust * np.diff(flight["time"]) / _MIN_EXHAUST_SPEED + _MASS_ROUNDING * mass[:-1]
+    most_burnt = thrust * np.diff(flight["time"]) / _MIN_EXHAUST_SPEED + _MASS_ROUNDING * mass[:-1]
     flight.require(
-        np.append(True, -np.diff(mass) <= burnt),
+        np.append(True, -np.diff(mass) <= most_burnt),
         lambda i: (
             f"the mass falls from {mass[i - 1]:.5g} to {mass[i]:.5g} kg, more than the motor burns,"
             " so a stage leaves; read one stage with start and stop"
@@ -489,19 +495,19 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     _check_inertia(flight, values["moment_of_inertia"], values["weight"], values["control_arm"])
     time = flight["time"]
     rows, error = thinned_rows(time, values, largest)
-    thin = f"thinned to {rows.size} rows: straight lines are within {100 * error:.2g} percent"
-    thinned = (thin,) if rows.size < time.size else ()
     others: dict[str, Any] = {
         key: values.pop(key)[rows] for key in _NOT_OF_VEHICLE if key in values
     }
     numbers: dict[str, Any] = {key: column[rows] for key, column in values.items()}
     vehicle = Vehicle(name=name, time=time[rows], **numbers)
-    origins = [f"{key}: {column.origin}" for key, column in columns.items()]
-    notes = (
-        *(f"time: {flight.origin('time')}", *origins, *flight.notes, *thinned, *_stable(vehicle)),
-        *_pressure_notes(flight),
-    )
-    return FlightSchedule(vehicle, **others, notes=notes)
+    notes = [f"time: {flight.origin('time')}"]
+    notes += [f"{key}: {column.origin}" for key, column in columns.items()]
+    notes += flight.notes
+    if rows.size < time.size:
+        within = f"straight lines are within {100 * error:.2g} percent"
+        notes.append(f"thinned to {rows.size} rows: {within}")
+    notes += [*_stable(vehicle), *_pressure_notes(flight)]
+    return FlightSchedule(vehicle, **others, notes=tuple(notes))
 
 
 def vehicle_columns(flight: Flight) -> dict[str, Column]:
@@ -630,20 +636,21 @@ def _stable(vehicle: Vehicle) -> tuple[str, ...]:
 def thinned_rows(
     time: FloatArray, values: dict[str, FloatArray], largest: int
 ) -> tuple[IndexArray, float]:
-    """Return the indices of thinned rows, and the largest error of lines between them, relative.
+    """Return the indices of thinned rows, and the largest error of lines between them.
 
-    `time`, `values`: times [s] and columns, ``(n,)`` each. All rows up to a number of `largest`;
-    else the first and the last, and repeatedly the row of largest error, to `_LINE_TOLERANCE`.
+    The error is relative to the largest value of a column. `time`, `values`: times [s] and columns,
+    ``(n,)`` each. Up to a number of `largest` all rows are returned; else the first and the last,
+    and repeatedly the row of largest error, until it is below a thousandth.
     """
     if time.size <= largest:
         return np.arange(time.size), 0.0
     sizes = {key: float(np.abs(value).max()) for key, value in values.items()}
-    table = np.array([values[key] / size for key, size in sizes.items() if size > 0.0])
+    columns = np.array([values[key] / size for key, size in sizes.items() if size > 0.0])
     selected = np.array([0, time.size - 1])
     while True:
-        lines = np.array([np.interp(time, time[selected], row[selected]) for row in table])
-        distant = np.abs(lines - table).max(axis=0)
-        worst = int(np.argmax(distant))
-        if distant[worst] <= _LINE_TOLERANCE or selected.size >= largest:
-            return selected, float(distant[worst])
+        lines = np.array([np.interp(time, time[selected], column[selected]) for column in columns])
+        error = np.abs(lines - columns).max(axis=0)
+        worst = int(np.argmax(error))
+        if error[worst] <= _LINE_TOLERANCE or selected.size >= largest:
+            return selected, float(error[worst])
         selected = np.sort(np.append(selected, worst))

@@ -146,20 +146,21 @@ def _aerodynamics(
     """
     slope = _sampled(rocket, "total_lift_coeff_der", mach, "rocket").values
     moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values
+    # pairs of a surface and its position
     surfaces = list(_attribute(rocket, "aerodynamic_surfaces")) if without else []
     for name in without:
-        omitted = [pair for pair in surfaces if getattr(pair[0], "name", None) == name]
+        omitted = [(x, at) for x, at in surfaces if getattr(x, "name", None) == name]
         if not omitted:
-            names = ", ".join(str(getattr(pair[0], "name", "")) for pair in surfaces)
+            names = ", ".join(str(getattr(surface, "name", "")) for surface, _ in surfaces)
             raise InputError(
                 f"without must name aerodynamic surfaces of the rocket, {names}; got {shown(name)}"
             )
         for surface, position in omitted:
-            # the part of a surface on its own radius: (r/R)^2 clalpha, at its position less cpz
-            rocket_slope = _attribute(surface, "rocket_radius") / _attribute(rocket, "radius")
-            component = rocket_slope**2 * _sampled(surface, "clalpha", mach, "surface").values
-            station = position.z - _attribute(rocket, "_csys") * _attribute(surface, "cpz")
-            slope, moment = slope - component, moment - component * station
+            # the slope of a surface is on its own radius r, and the rocket's on R
+            radius_ratio = _attribute(surface, "rocket_radius") / _attribute(rocket, "radius")
+            part = radius_ratio**2 * _sampled(surface, "clalpha", mach, "surface").values
+            centre = position.z - _attribute(rocket, "_csys") * _attribute(surface, "cpz")
+            slope, moment = slope - part, moment - part * centre
     if np.any(slope <= 0.0):
         raise InputError(
             "without must leave a slope of the normal force; nothing is left of the rocket's"

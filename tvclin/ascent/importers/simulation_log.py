@@ -129,13 +129,15 @@ def read_log(
     """
     wanted = None if columns is None else map_of(columns, _KNOWN)
     sheet = _sheet(path, wanted)
-    if wanted is None:
-        wanted = map_of(_by_our_names(sheet), _KNOWN)
+    if wanted is None:  # a map from our keys, or names, to the texts of the headings
+        keys, named = FileTable("columns", _KNOWN).keys, _names(sheet.headings)
+        ours = {(text if text in keys else name): text for text, name in named.items()}
+        wanted = map_of(ours, _KNOWN)
     read = mapped_columns(sheet, wanted, _KNOWN)
     flight = powered_flight.Flight(source=sheet.text.source, places=sheet.places, columns=read)
     flight = powered_flight.powered(flight, start, stop)
     angle, how = _wind(flight)
-    sources = {str(source) for _, _, source in wanted.values()}
+    sources = {str(entry.source) for entry in wanted.values()}
     omitted = [heading.text for heading in sheet.headings if heading.text not in sources]
     notes = [f"left out: {', '.join(omitted)}"] if omitted else []
     notes += sheet.notes
@@ -143,7 +145,7 @@ def read_log(
     flight = replace(flight, columns=others).noted(f"wind: {how}", *notes)
     name = Path(a_path("path", path)).stem
     schedule = powered_flight.schedule_of_flight(flight, name, max_rows)
-    rows, _ = powered_flight.thinned_rows(flight["time"], {"wind": angle}, max_rows)
+    rows, _error = powered_flight.thinned_rows(flight["time"], {"wind": angle}, max_rows)
     return SimulatedFlight(schedule, SampledWind(time=flight["time"][rows], angle=angle[rows]))
 
 
@@ -186,36 +188,31 @@ def _matlab_sheet(path: str | PathLike[str]) -> Sheet:
     if rows * len(columns) > MAX_NUMBERS:
         raise too_large(source, f"{MAX_NUMBERS // 1_000_000} million numbers")
     table = np.stack([np.broadcast_to(values, rows) for values in columns.values()], axis=1)
-    cells = tuple(tuple(map(repr, row)) for row in table.tolist())
-    headings = tuple(Heading(k, name, name, None) for k, name in enumerate(columns))
-    return Sheet(Text(source, ()), headings, np.arange(1, rows + 1), cells)
+    return Sheet(
+        text=Text(source, ()),
+        headings=tuple(Heading(k, name, name, None) for k, name in enumerate(columns)),
+        line=np.arange(1, rows + 1),
+        cells=tuple(tuple(map(repr, row)) for row in table.tolist()),
+    )
 
 
 def _names(headings: tuple[Heading, ...]) -> dict[str, str]:
     """Return the quantities of those headings that are known, by the text of the heading.
 
     Known are our keys, as thrust_kN, and our names with a unit in parentheses, as thrust (kN).
+    An optional quantity in an unknown unit is omitted.
     """
-    keys = FileTable("columns", _KNOWN).keys
-    columns = {heading.text: keys[heading.text][0] for heading in headings if heading.text in keys}
-    plain = {
-        heading.text: heading.name
-        for heading in headings
-        if heading.name in _KNOWN and heading.unit is not None
-    }
-    units = {heading.text: heading.unit for heading in headings}
-    odd = {
-        text
-        for text, name in plain.items()
-        if name in _OPTIONAL and unit_of(units[text] or "", WRITTEN[_KNOWN[name]]) is None
-    }
-    return {text: name for text, name in plain.items() if text not in odd} | columns
-
-
-def _by_our_names(sheet: Sheet) -> dict[str, str | float]:
-    """Return the map of `read_table` for the columns of a sheet that are known by our names."""
-    keys, named = FileTable("columns", _KNOWN).keys, _names(sheet.headings)
-    return {(text if text in keys else name): text for text, name in named.items()}
+    keys = FileTable("columns", _KNOWN).keys  # name and factor to SI of each key
+    by_key = {heading.text: keys[heading.text][0] for heading in headings if heading.text in keys}
+    by_name = {}
+    for heading in headings:
+        name, unit = heading.name, heading.unit
+        if name not in _KNOWN or unit is None:
+            continue
+        unknown_unit = unit_of(unit, WRITTEN[_KNOWN[name]]) is None
+        if not (name in _OPTIONAL and unknown_unit):
+            by_name[heading.text] = name
+    return by_name | by_key
 
 
 def _wind(flight: powered_flight.Flight) -> tuple[FloatArray, str]:

@@ -68,14 +68,16 @@ def frozen_requirements(
     survives with. `two_sided`: for each wind the same with the angles of both signs, or None.
     """
     groups: dict[Any, list[int]] = {}
-    for i, (wind, complete) in enumerate(zip(winds, two_sided, strict=True)):
-        shapes = [None if x is None else x.pieces.coefficients.shape for x in (wind, complete)]
+    for i, (wind, both_signs) in enumerate(zip(winds, two_sided, strict=True)):
+        shapes = [None if x is None else x.pieces.coefficients.shape for x in (wind, both_signs)]
         groups.setdefault(tuple(shapes), []).append(i)
-    limits: dict[int, tuple[Any, list[str]]] = {}
+    limits: dict[int, tuple[Any, list[str]]] = {}  # required deflections and statuses, by wind
     for cases in groups.values():
         limits |= _required_together(plants, winds, dead_bands, two_sided, cases)
     for i, wind in enumerate(winds):
-        yield _with_bounds(plants.case(i, (len(winds),)), wind, dead_bands, law, *limits[i])
+        required, statuses = limits[i]
+        plant = plants.case(i, (len(winds),))
+        yield _with_bounds(plant, wind, dead_bands, law, required, statuses)
 
 
 def _required_together(
@@ -92,16 +94,16 @@ def _required_together(
     the winds. NaN, and the message, where `InputError` is raised: a batch in which one wind is
     refused is computed again, wind by wind.
     """
-    shape = len(cases), dead_bands.size  # each wind with each dead band, on one axis
-    index = np.repeat(np.arange(shape[0]), shape[1])
+    n, k = shape = len(cases), dead_bands.size  # each wind with each dead band, on one axis
+    index = np.repeat(np.arange(n), k)
     wind = _stacked([winds[i] for i in cases], index)
-    both = [history for i in cases if (history := two_sided[i]) is not None]
-    complete = _stacked(both, index) if both else None
+    both = [history for i in cases if (history := two_sided[i]) is not None]  # all or none
+    both_signs = _stacked(both, index) if both else None
     plant = plants.cases(np.array(cases)[index], (len(winds),))
     try:
-        limit = required_deflection(plant, wind, np.tile(dead_bands, shape[0]), two_sided=complete)
+        limit = required_deflection(plant, wind, np.tile(dead_bands, n), two_sided=both_signs)
     except InputError as error:
-        if shape[0] == 1:
+        if n == 1:
             return {cases[0]: (np.nan, [str(error)])}
         inputs = plants, winds, dead_bands, two_sided
         return {i: _required_together(*inputs, [i])[i] for i in cases}
@@ -113,8 +115,13 @@ def _required_together(
 def _stacked(histories: Sequence[History], index: IndexArray) -> History:
     """Return the histories, with the same number of pieces, at positions `index` as a batch."""
     pieces = [history.pieces for history in histories]
-    columns = zip(*((p.knots, p.coefficients, p.rates) for p in pieces), strict=True)
-    return Piecewise(Pieces(*(np.stack(column)[index] for column in columns)))
+    return Piecewise(
+        Pieces(
+            knots=np.stack([x.knots for x in pieces])[index],
+            coefficients=np.stack([x.coefficients for x in pieces])[index],
+            rates=np.stack([x.rates for x in pieces])[index],
+        )
+    )
 
 
 def _with_bounds(
@@ -127,11 +134,12 @@ def _with_bounds(
 ) -> FrozenRequirement:
     """Return required deflections [rad] ``(k,)`` of a wind, with lower bounds and messages.
 
-    `plant`: frozen at the time of the wind. `dead_bands`: K, ``(k,)``. `law`: see `_no_forecast`.
-    `limits`: required deflections [rad], ``(k,)``. `statuses`: their statuses. A bound that is not
-    defined is NaN; the messages hold its error, and statuses.
+    `plant`: frozen at the time of the wind. `dead_bands`: K, ``(k,)``. `law`: "bound" for the lower
+    bound without a forecast, "flown" for the recoverable-attitude law. `limits`: required
+    deflections [rad], ``(k,)``, with their `statuses`. A bound that is not defined is NaN; the
+    messages hold its error, and statuses.
     """
-    said: list[str] = []
+    said: list[str] = []  # messages
 
     def value_or_nan(function: Callable[[], float]) -> float:
         """Return the value of a function, or NaN and a message where it raises `InputError`."""
@@ -161,29 +169,30 @@ def _with_bounds(
 
 
 def slow_mode(plant: Plant, wind: History) -> float:
-    """Return y of eq (C8) for any wind: the ratio of the slow mode's demand to the fast mode's.
+    """Return y of eq (C8) of the report for any wind: the demand of the slow over the fast mode.
 
-    The modes are those of the coefficients of `plant` with drift. The ratio is one at the edge of
-    the single-pole theory, for a triangle at `single_pole_validity`, and negative where the modes
-    are driven in opposite directions. NaN without two real unstable poles.
+    The demand of a mode is the constant deflection that cancels the effect of the wind on it. The
+    modes are those of the coefficients of `plant` with drift. The ratio is one at the edge of the
+    single-pole theory, and negative where the wind drives the modes in opposite directions. NaN
+    without two real unstable poles.
     """
     modes = unstable_modes(Plant.from_coefficients(plant.coefficients, "drift-exact"))
     if modes.poles.size < 2 or np.iscomplexobj(modes.poles) or not np.isfinite(wind.onset):
         return float("nan")
     from_onset = wind.shift(-wind.onset).laplace(modes.poles)
-    # deflection, constant from the onset on, whose effect on a mode cancels that of the wind
+    # deflection from the onset on; in descending order of the poles
     demands = modes.poles * from_onset * modes.wind_residues / modes.deflection_residues
-    fast, slow = demands[:2]  # in descending order of the poles
+    fast, slow = demands[:2]
     return float(slow / fast)
 
 
 def _no_forecast(plant: Plant, wind: History, law: str) -> float:
     """Return the required deflection [rad] without a forecast; zero for a stable plant.
 
-    `law`: "bound" for the lower bound of such laws, else that of the law of recoverable attitude in
-    the wind `wind`, flown.
+    `law`: "bound" for the lower bound of such laws, else the limit of the law of recoverable
+    attitude, flown in the wind.
     """
-    if not _unstable(plant):
+    if not unstable_modes(plant).poles.size:
         return 0.0
     if law == "bound":
         return abs(forecast_free_limit(plant, wind).deflection)
@@ -192,8 +201,3 @@ def _no_forecast(plant: Plant, wind: History, law: str) -> float:
         plant, flown, wind, sample_rate=_SAMPLE_RATE_HZ, highest=_MAX_LIMIT_OVER_TRIM
     )
     return abs(boundary.deflection)
-
-
-def _unstable(plant: Plant) -> int:
-    """Return the number of unstable poles."""
-    return int(unstable_modes(plant).poles.size)

@@ -50,12 +50,18 @@ def refined_sizing(
         From a sizing to its totals [rad] by flight time [s], where they are known.
     """
     totals = dict(totals_of(sizing))
-    further = _first_times(sizing.times)
+    # even times in long intervals at first, then middles of intervals
+    step = max(_MAX_FIRST_STEP_S, np.ptp(sizing.times) / _MAX_FIRST_STEPS)
+    even = [
+        np.linspace(*ends, 1 + int(np.ceil((ends[1] - ends[0]) / step - _RELATIVE_TOLERANCE)))
+        for ends in pairwise(np.unique(sizing.times).tolist())
+    ]
+    further = np.concatenate([[], *(times[1:-1] for times in even)])
     for _ in range(1 + _MAX_HALVINGS):
         if further.size:
-            middle_sizing = size_at(further)
-            totals |= totals_of(middle_sizing)
-            sizing = joined_sizing(sizing, middle_sizing)
+            further_sizing = size_at(further)
+            totals |= totals_of(further_sizing)
+            sizing = joined_sizing(sizing, further_sizing)
         times = np.sort(sizing.times)
         further = _middles(times, np.array([totals.get(t, np.nan) for t in times.tolist()]))
         if not further.size:
@@ -74,30 +80,22 @@ def neighbouring_times(
     return tuple(order[after - 1 : after + 1].tolist())
 
 
-def _first_times(times: FloatArray) -> FloatArray:
-    """Return even times [s] in intervals of `times` [s] that are above `_MAX_FIRST_STEP_S`."""
-    step = max(_MAX_FIRST_STEP_S, np.ptp(times) / _MAX_FIRST_STEPS)
-    inside = [
-        np.linspace(*ends, 1 + int(np.ceil((ends[1] - ends[0]) / step - _RELATIVE_TOLERANCE)))
-        for ends in pairwise(np.unique(times).tolist())
-    ]
-    return np.concatenate([[], *(even[1:-1] for even in inside)])
-
-
 def _middles(times: FloatArray, totals: FloatArray) -> FloatArray:
     """Return the middles [s] of intervals beside local maxima of totals [rad] at `times` [s].
 
-    Intervals below `_MIN_STEP_S`, and with an end at which the total is NaN, have none.
+    A maximum counts whose second difference is so large that the total may rise above it between
+    the times. Intervals that are short, or have an end at which the total is NaN, have no middle.
     """
     finite, step = ~np.isnan(totals), np.diff(times)
     finite_ends = finite[:-1] & finite[1:]
     totals = np.where(finite, totals, 0.0)
     largest, rise = totals.max(), np.where(finite_ends, np.diff(totals), 0.0)
-    before, after = np.append(0.0, rise), np.append(rise, 0.0)
-    widest = np.maximum(np.append(0.0, step), np.append(step, 0.0))
-    parabolic = widest <= _MAX_PARABOLIC_STEP_S
-    flat = largest * np.where(parabolic, 8.0 * _MAX_RELATIVE_RISE, _RELATIVE_TOLERANCE)
-    is_maximum = (before >= 0.0) & (after <= 0.0) & (before - after > flat)
+    before, after = np.append(0.0, rise), np.append(rise, 0.0)  # rises to and from each time
+    longer_step = np.maximum(np.append(0.0, step), np.append(step, 0.0))
+    parabolic = longer_step <= _MAX_PARABOLIC_STEP_S
+    # a parabola rises above its middle value by at most an eighth of its second difference
+    negligible = largest * np.where(parabolic, 8.0 * _MAX_RELATIVE_RISE, _RELATIVE_TOLERANCE)
+    is_maximum = (before >= 0.0) & (after <= 0.0) & (before - after > negligible)
     is_maximum &= totals >= _LOCAL_MAXIMUM_FRACTION * largest
     halved = (is_maximum[:-1] | is_maximum[1:]) & finite_ends & (step >= _MIN_STEP_S)
     return np.asarray(times[:-1] + 0.5 * step)[halved]

@@ -123,25 +123,21 @@ class FlightWinds:
         return gust_of_speed(gust, self.gust_speed, self.case.planes)
 
     def case_of(self, vehicle: Vehicle, pulse: ShapedWind) -> Case:
-        """Return the case of a vehicle of the flight in a pulse."""
+        """Return the case of a vehicle of the flight in a pulse, with the angles it encounters."""
         case = self.case
+        if self.peak_speed is not None:
+            pulse = pulse.with_speed(self.peak_speed, vehicle, case.plane)
+        if self.gust_speed is not None:
+            pulse = pulse.with_gust_speed(self.gust_speed, vehicle, case.plane)
         return Case(
             vehicle=vehicle,
             model=case.model,
             plane=case.plane,
-            wind=self._encountered_pulse(vehicle, pulse),
+            wind=pulse,
             nozzle=case.nozzle,
             design=case.design,
             sign=case.sign,
         )
-
-    def _encountered_pulse(self, vehicle: Vehicle, pulse: ShapedWind) -> ShapedWind:
-        """Return a pulse with the angles of wind and gust that a vehicle encounters."""
-        if self.peak_speed is not None:
-            pulse = pulse.with_speed(self.peak_speed, vehicle, self.case.plane)
-        if self.gust_speed is not None:
-            pulse = pulse.with_gust_speed(self.gust_speed, vehicle, self.case.plane)
-        return pulse
 
     def _pulse(self, pulse: ShapedWind) -> WindOf:
         """Return the function from a vehicle to a pulse: in the plane, or the vector of both."""
@@ -150,15 +146,15 @@ class FlightWinds:
         def encountered(vehicle: Vehicle) -> History | PlaneWind:
             """Return the pulse that a vehicle encounters, in the plane or as a vector.
 
-            `NotKnownError` as `checked_linear`, by the vector of both planes.
+            `NotKnownError` for a vector of both planes beyond linear aerodynamics.
             """
-            pulse_wind = self.case_of(vehicle, pulse).wind_at(self.dead_band)
-            checked_linear(pulse_wind.max_angle)
+            placed = self.case_of(vehicle, pulse).wind_at(self.dead_band)  # gust at its worst time
+            checked_linear(placed.max_angle)
             attitude = float(np.asarray(vehicle.attitude))
             if case.planes != BOTH:
-                return pulse_wind.in_plane(case.plane, attitude).history({})
-            peaks = pulse_wind.peaks(attitude)
-            return PlaneWind(**{plane: component_in(pulse_wind, peaks, plane) for plane in PLANES})
+                return placed.in_plane(case.plane, attitude).history({})
+            peaks = placed.peaks(attitude)
+            return PlaneWind(**{plane: component_in(placed, peaks, plane) for plane in PLANES})
 
         return encountered
 
@@ -389,11 +385,13 @@ class SizingRequest:
                 f"there may be at most {_MAX_FLIGHT_TIMES} flight times; got one every"
                 f" {self.every:g} s"
             )
+        # multiples of the step, or steps from the first time that is given
         even = np.ceil(low / self.every) * self.every if self.start is None else low
         between = np.arange(even, high, self.every)
         # those that are not the first or the last but for rounding
         distinct = np.abs(between - [[low], [high]]).min(axis=0) > _MIN_STEP_FRACTION * self.every
-        return np.concatenate([[low], between[distinct], [high][: int(high > low)]])
+        last_time = [high] if high > low else []
+        return np.concatenate([[low], between[distinct], last_time])
 
     def winds(self, case: Case) -> dict[str, WindOf]:
         """Return the winds by name, arguments of `size`; soundings are in flight time.
@@ -433,7 +431,10 @@ class SizingRequest:
         times: FloatArray,
         progress: Callable[[int, int], None] | None = None,
     ) -> Sizing:
-        """Return the sizing at flight times [s]; other parameters as `sizing`."""
+        """Return the sizing at flight times [s], pulses in their possible directions.
+
+        `progress`: called with the numbers of finished and of all requirements.
+        """
         result = size(
             self.schedule,
             self.winds(case),
@@ -549,12 +550,14 @@ class SizingRequest:
         }
 
         def totals_of(refined: Sizing) -> dict[float, float]:
+            """Return the totals [rad] of a sizing by its flight times [s]."""
             totals = totals_over_flight(refined, counted, **options)
             return {
                 x.time: x.total for x in totals if x.time is not None and x.time in refined.times
             }
 
-        request = replace(  # what else is in the sizing costs time and does not count
+        # further flight times have only what enters the total, to save time
+        request = replace(
             self,
             dead_bands=tuple({float(max(self.dead_bands)), counted.dead_band}),
             law=self.law if counted == NO_FORECAST else "bound",

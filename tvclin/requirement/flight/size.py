@@ -77,6 +77,7 @@ def two_plane_sizing(
         for vehicle, row in zip(vehicles, placed, strict=True)
     ]
     arises = {name: _two_plane_arising(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
+    # `more`: where the wind vector requires more than the planes by themselves
     required, more = _required(pitch, yaw, needs, limit_shape, arises)
     # a vector without trim is one for which no requirement of both planes is defined
     refused = [[bool(vector.notes) and not vector.trim for vector in row] for row in needs]
@@ -84,8 +85,8 @@ def two_plane_sizing(
         vector for i, j in np.argwhere(more | np.array(refused)) for vector in needs[i][j].notes
     ]
     messages = (*pitch.said, *yaw.said, *vector_notes)
-    # ratio y of eq (C8), of the demands of slow and fast mode: of a plane where the slow one
-    # decides
+    # ratio of the deflections that the slow and the fast mode demand: of yaw where the slow one
+    # decides there, else of pitch
     slow = np.where(beyond_single_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
     return Sizing(
         **{name: getattr(pitch, name) for name in ("schedule", "times", "winds", "dead_bands")},
@@ -112,11 +113,12 @@ def _two_plane_arising(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatAr
     `pitch`, `yaw`: sizing of each plane, of the same m winds. `name`: the requirement. The time is
     that of the plane with the larger requirement.
     """
-    times = [sizing.arising(name) for sizing in (pitch, yaw)]
-    sizes = [np.nanmax(sizing.required[name], axis=0, initial=0.0) for sizing in (pitch, yaw)]
-    in_pitch = np.isnan(times[1]) | ((sizes[0] >= sizes[1]) & ~np.isnan(times[0]))
-    time_in_pitch, time_in_yaw = times
-    return np.where(in_pitch, time_in_pitch, time_in_yaw)
+    pitch_time, yaw_time = (sizing.arising(name) for sizing in (pitch, yaw))
+    pitch_size, yaw_size = (
+        np.nanmax(sizing.required[name], axis=0, initial=0.0) for sizing in (pitch, yaw)
+    )
+    in_pitch = np.isnan(yaw_time) | ((pitch_size >= yaw_size) & ~np.isnan(pitch_time))
+    return np.where(in_pitch, pitch_time, yaw_time)
 
 
 def _required(
@@ -129,18 +131,19 @@ def _required(
     """Return the requirements [rad] of both planes, and whether the wind vector requires more.
 
     `pitch`, `yaw`: sizing of each plane. `needs`: requirements of the wind vector, by flight time
-    and wind. `limit_shape`: limit in both planes. `arises`: times [s] of fixed winds.
+    and wind. `limit_shape`: limit in both planes. `arises`: times [s] at which requirements of
+    winds fixed in flight time arise, NaN for other winds.
 
     For trim, minimum and the bound without a forecast the larger of both planes counts, for dead
-    bands the corner of both; the requirement of the wind vector counts if it is larger.
+    bands the limit that contains the rectangle of both; the wind vector counts if it is larger.
     """
     defined = [name for name in pitch.required if name in yaw.required]
     corners = {
         name: rectangle(limit_shape, pitch.required[name], yaw.required[name]) for name in defined
     }
-    # how far the shape with the limit one reaches, in pitch and in yaw
+    # largest deflection in pitch and in yaw that the shape with the limit one admits
     supports = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
-    larger = {  # a stop reaches no further in a plane than its support
+    larger = {
         name: np.maximum(pitch.required[name] / supports[0], yaw.required[name] / supports[1])
         for name in defined
     }
@@ -154,18 +157,15 @@ def _required(
     names = [Requirement(dead_band=K) for K in pitch.dead_bands]
     for k, name in enumerate(names):
         required[name] = _larger(corners[name], needs, lambda vector, k=k: vector.required[k])
-        if (along := replace(name, varying=True)) in corners:  # what the vector requires besides
-            beyond_planes = np.divide(
-                required[name],
-                corners[name],
-                out=np.ones(corners[name].shape),
-                where=corners[name] > 0.0,
-            )
-            fixed = (
-                ~np.isnan(arises[along]) if along in arises else np.zeros(len(pitch.winds), bool)
-            )
-            two_sided = np.nanmax(beyond_planes, axis=0, initial=1.0)  # one number for the flight
-            required[along] = corners[along] * np.where(fixed, two_sided, beyond_planes)
+        if (along := replace(name, varying=True)) in corners:
+            # with varying parameters the planes' limit is raised in the ratio of frozen parameters
+            positive = corners[name] > 0.0
+            ratio = np.ones(positive.shape)
+            np.divide(required[name], corners[name], out=ratio, where=positive)
+            none_fixed = np.full(len(pitch.winds), np.nan)
+            fixed = ~np.isnan(arises.get(along, none_fixed))
+            largest_ratio = np.nanmax(ratio, axis=0, initial=1.0)  # one number for the flight
+            required[along] = corners[along] * np.where(fixed, largest_ratio, ratio)
     return required, np.any([required[name] > corners[name] for name in names], axis=0)
 
 
@@ -182,8 +182,9 @@ def _vector(
     of each plane. `limit_shape`: limit in both planes. `bands`: dead bands K, ``(k,)``.
     """
     if any(placed.calm for placed in wind.values()):
-        nothing = np.zeros(bands.shape)
-        return VectorRequirement(0.0, nothing, 0.0, 0.0, ())
+        return VectorRequirement(
+            trim=0.0, required=np.zeros(bands.shape), no_forecast=0.0, minimum=0.0, notes=()
+        )
     pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
     vector = PlaneWind(**{plane: placed.history for plane, placed in wind.items()})
     return vector_requirements(pitch, yaw, vector, limit_shape, bands)
@@ -297,22 +298,31 @@ def size(
     if chosen.ndim != 1 or not chosen.size or not bands.size:
         raise InputError("times and dead_bands must hold one number or more each")
     named = named_winds(winds)
-    where = placings(named, placing)
+    placed_as = placings(named, placing)
     vehicles = [schedule.at(t) for t in chosen.tolist()]
     planes = PLANES if plane == BOTH else (plane,)
     placed = [
-        [placed_in_planes(planes, wind, v, t, where[name], window) for name, wind in named.items()]
+        [placed_in_planes(planes, x, v, t, placed_as[name], window) for name, x in named.items()]
         for t, v in zip(chosen.tolist(), vehicles, strict=True)
     ]
-    # requirements of each wind and time, for the progress: frozen, varying, and of the vector
-    rounds = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
-    count_need = _progress_counter(progress, len(placed) * len(named) * rounds)
+    # number of requirements of each wind and time: frozen, varying, and of the vector
+    per_wind = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
+    count_need = _progress_counter(progress, len(placed) * len(named) * per_wind)
     always = -np.inf, np.inf
     known_times = np.array([getattr(wind, "known", always) for wind in named.values()])
     sizings = {}
     for name in planes:
         in_plane = [[wind[name] for wind in row] for row in placed]
-        inputs = _Inputs(schedule, chosen, tuple(named), known_times, bands, model, name, law)
+        inputs = _Inputs(
+            schedule=schedule,
+            times=chosen,
+            winds=tuple(named),
+            known_times=known_times,
+            dead_bands=bands,
+            model=model,
+            plane=name,
+            law=law,
+        )
         with repeated(len(named) * chosen.size):
             sizings[name] = _plane_sizing(inputs, vehicles, in_plane, varying, count_need)
     sizing = (
@@ -328,7 +338,7 @@ def size(
     angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])
     doubtful = doubtful_winds(dict(zip(named, angles.max(axis=0).tolist(), strict=True)))
     notes = (*wind_notes, *unknown_wind_notes(sizing, reasons), *doubtful, *notes_of(sizing))
-    concurrent = concurrent_trim(schedule, chosen, named, where, planes, shape, sizing.known)
+    concurrent = concurrent_trim(schedule, chosen, named, placed_as, planes, shape, sizing.known)
     return replace(sizing, concurrent=concurrent, notes=notes)
 
 
@@ -356,9 +366,9 @@ def _plane_sizing(
     """Return the sizing in one plane, without its notes.
 
     `inputs`: schedule, flight times, dead bands, model and plane. `vehicles`: vehicle at each of n
-    flight times. `placed`: m winds at each of these times. `varying`: whether the vehicle varies
-    over a wind; None for both, as far as possible. `count_need`: function that returns a
-    requirement unchanged and reports progress.
+    flight times. `placed`: m winds at each of these times. `varying`: whether requirements with
+    parameters that vary during a wind are added to those with frozen ones; None where possible.
+    `count_need`: function that returns a requirement unchanged and reports progress.
     """
     schedule, bands, model, plane = inputs.schedule, inputs.dead_bands, inputs.model, inputs.plane
     frozen = _frozen(inputs, placed)
@@ -368,7 +378,10 @@ def _plane_sizing(
     messages, arises = _messages(inputs.times, needs), {}
     if varying is not False:
         try:
-            mode = _flight_mode(schedule, model, plane, placed)
+            begins, ends = zip(
+                schedule.span, *(w.span for row in placed for w in row if not w.calm), strict=True
+            )
+            mode = FlightMode(schedule, model, plane, span=(min(begins), max(ends)))
             along = _along(mode, placed, bands, count_need)
             required |= _varying(_columns(along, bands))
             arises = _arising_times(placed, along, bands)
@@ -438,18 +451,26 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
     The requirements are zero in a calm, and NaN if the wind is not known.
     """
     bands, winds = inputs.dead_bands, [wind for row in placed for wind in row]
-    blowing = np.flatnonzero([not wind.calm for wind in winds])
+    not_calm = np.flatnonzero([not wind.calm for wind in winds])
+    times = inputs.times[not_calm // len(placed[0])]  # flight time of each of these winds
     requirements = frozen_requirements(
-        inputs.schedule.plants(inputs.times[blowing // len(placed[0])], inputs.model, inputs.plane),
-        [winds[i].history for i in blowing],
+        inputs.schedule.plants(times, inputs.model, inputs.plane),
+        [winds[i].history for i in not_calm],
         bands,
         inputs.law,
-        [winds[i].two_sided for i in blowing],
+        [winds[i].two_sided for i in not_calm],
     )
     for wind in winds:
         if wind.calm:
             none = 0.0 if wind.known else np.nan
-            yield FrozenRequirement(none, np.full(bands.shape, none), none, none, np.nan, ())
+            yield FrozenRequirement(
+                trim=none,
+                required=np.full(bands.shape, none),
+                no_forecast=none,
+                minimum=none,
+                slow_mode=np.nan,
+                said=(),
+            )
         else:
             yield next(requirements)
 
@@ -474,10 +495,11 @@ def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list
 def _without_exit(
     mode: FlightMode, times: FloatArray, placed: list[list[PlacedWind]], bands: FloatArray
 ) -> list[str]:
-    """Return messages where trim counts whole in a wind: poles are a pair, or mu_alpha turns sign.
+    """Return messages on winds in which the whole of trim counts, as the dead band has no exit.
 
-    `mode`: unstable mode along the flight. `times`: flight times [s] of the rows of winds in
-    `placed`. `bands`: all K.
+    It has none where two poles are a pair, or the aerodynamic moment changes its sign. `mode`:
+    unstable mode along the flight. `times`: flight times [s] of the rows of winds in `placed`.
+    `bands`: all K.
     """
     spans = [[wind.span for wind in row if not wind.calm] for row in placed]
     rows = list(zip(times.tolist(), spans, strict=True))
@@ -498,18 +520,6 @@ def _without_exit(
     return messages
 
 
-def _flight_mode(
-    schedule: FlightSchedule, model: str, plane: str, placed: list[list[PlacedWind]]
-) -> FlightMode:
-    """Return the unstable mode over a schedule and all winds.
-
-    `model`: name of the linear model, in the plane `plane`. `placed`: winds by flight time.
-    """
-    spans = [schedule.span, *(w.span for row in placed for w in row if not w.calm)]
-    first, last = (f(x) for f, x in zip((min, max), zip(*spans, strict=True), strict=True))
-    return FlightMode(schedule, model, plane, (first, last))
-
-
 def _along(
     mode: FlightMode,
     placed: list[list[PlacedWind]],
@@ -521,10 +531,12 @@ def _along(
     `mode`: unstable mode along the flight. `placed`: winds by flight time. `bands`: dead bands K.
     `count_need`: function that returns a requirement unchanged and reports progress.
     """
-    winds: dict[bytes, list[NominalWind]] = {}  # without a window one wind meets every flight time
+    # winds that are the same at several flight times are computed once: the history of one sign
+    # and, where there is one, that of both signs, by their bytes
+    winds: dict[bytes, list[NominalWind]] = {}
 
     def key_of(wind: PlacedWind) -> bytes:
-        """Return the bytes of a wind as its key, and store its histories of both signs."""
+        """Return the bytes of a wind as its key, and store its histories."""
         histories = (wind.in_flight, *([wind.two_sided] if wind.two_sided else []))
         key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)
         if key not in winds:
@@ -536,26 +548,30 @@ def _along(
 
     keys = [[None if wind.calm else key_of(wind) for wind in row] for row in placed]
     distinct = list(winds.values())
-    requirements = flight_requirements(
-        mode, [first for first, *_ in distinct], bands, [last for *_, last in distinct]
-    )
+    one_sign, both_signs = [first for first, *_ in distinct], [last for *_, last in distinct]
+    requirements = flight_requirements(mode, one_sign, bands, both_signs)
     along = dict(zip(winds, requirements, strict=True))
+
+    def requirement_of(wind: PlacedWind, key: bytes | None) -> FlightRequirement:
+        """Return the requirement of a wind by its key; zero in a calm, NaN for an unknown wind."""
+        if key is not None:
+            return along[key]
+        none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
+        return FlightRequirement(
+            trim=none,
+            required=np.full(bands.shape, none),
+            minimum=none,
+            trim_time=np.nan,
+            times=unknown,
+        )
+
     return [
         [
-            count_need(_calm_requirement(wind, bands) if key is None else along[key])
-            for wind, key in zip(row, row_keys, strict=True)
+            count_need(requirement_of(*wind_and_key))
+            for wind_and_key in zip(row, row_keys, strict=True)
         ]
         for row, row_keys in zip(placed, keys, strict=True)
     ]
-
-
-def _calm_requirement(wind: PlacedWind, bands: FloatArray) -> FlightRequirement:
-    """Return the requirement of a flight time without wind: zero, or NaN for an unknown wind.
-
-    `bands`: dead bands K, ``(k,)``.
-    """
-    none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
-    return FlightRequirement(none, np.full(bands.shape, none), none, np.nan, unknown)
 
 
 def _arising_times(
@@ -569,7 +585,7 @@ def _arising_times(
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():
         return {}
-    first = fixed.argmax(axis=0)
+    first = fixed.argmax(axis=0)  # index of the first flight time at which a wind is fixed
     needs = [along[i][j] for j, i in enumerate(first.tolist())]
     times = {TRIM: [x.trim_time for x in needs], MINIMUM: [x.trim_time for x in needs]}
     times |= {Requirement(dead_band=K): [x.times[k] for x in needs] for k, K in enumerate(bands)}
@@ -587,6 +603,7 @@ def _progress_counter(
     done = count(1)
 
     def count_requirement(requirement: Any) -> Any:
+        """Return a requirement unchanged, and report that it is finished."""
         if progress is not None:
             progress(next(done), total)
         return requirement
@@ -633,11 +650,11 @@ def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: Placed
     """
     if wind.calm:
         return 0.0 if wind.known else np.nan
+    times = np.linspace(*wind.span, _TIMES_IN_WIND)
     now = Coefficients.from_vehicle(vehicle, plane)
-    then = Coefficients.from_vehicle(
-        schedule.clamped_at(np.linspace(*wind.span, _TIMES_IN_WIND)), plane
-    )
-    pairs = [(np.sqrt(np.abs(c.mu_alpha)), np.asarray(c.B)) for c in (now, then)]
+    then = Coefficients.from_vehicle(schedule.clamped_at(times), plane)
+    beta_now, beta = (np.sqrt(np.abs(c.mu_alpha)) for c in (now, then))
+    pairs = (beta_now, beta), (np.asarray(now.B), np.asarray(then.B))
     with np.errstate(divide="ignore", invalid="ignore"):
-        changes = [np.abs(x / x0 - 1.0).max() for x0, x in zip(*pairs, strict=True) if x0 != 0.0]
+        changes = [np.abs(x / x_now - 1.0).max() for x_now, x in pairs if x_now != 0.0]
     return float(max(changes, default=0.0))

@@ -29,10 +29,10 @@ STEADY = 0.1
 
 
 def beyond_single_pole(slow_mode: FloatArray) -> BoolArray:
-    """Return whether the slow mode of the flight path decides, ``(n, m)``.
+    """Return whether the slow mode of the flight path sets the required deflection, ``(n, m)``.
 
-    `slow_mode`: y of eq (C8), the ratio of the deflections that the slow and the fast mode demand;
-    negative where the wind drives them in opposite directions. NaN gives False.
+    `slow_mode`: ratio of the deflections that the slow and the fast mode demand, eq (C8) of the
+    report; negative where the wind drives them in opposite directions. NaN gives False.
     """
     return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
 
@@ -250,7 +250,9 @@ class Sizing(Tabled):
             return np.fmax.reduce(values, axis=1)
 
     def arising(self, name: Requirement | str) -> FloatArray:
-        """Return the time at which a requirement arises [s], ``(m,)``; see `arises`.
+        """Return the flight time [s] at which a requirement of m fixed winds arises, ``(m,)``.
+
+        NaN for winds that are placed at each flight time.
 
         Raises
         ------
@@ -270,6 +272,7 @@ class Sizing(Tabled):
         """
         requirement = requirement_among("name", name, self.required)
         values = self.required[requirement]
+        # first and last time [s] at which all winds are known
         first, last = self.known_times[:, 0].max(), self.known_times[:, 1].min()
         early, late = self.times < first, self.times > last
         # flight times without a requirement that no end of a sounding explains
@@ -285,16 +288,21 @@ class Sizing(Tabled):
         return (*(word for word, unknown in words.items() if unknown), *self.gaps)
 
     def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
-        """Return the largest value of each requirement in the winds with these indices."""
+        """Return the largest value of each requirement in the winds with these indices.
+
+        Its time is the flight time or, for a wind that is fixed in flight time, the time at which
+        the requirement arises.
+        """
         largest = {}
         for name, required in self.required.items():
             values = required[:, winds]
             if np.all(np.isnan(values)):
                 continue
             i, j = np.unravel_index(int(np.nanargmax(values)), values.shape)
-            arises = float(self.arising(name)[winds[int(j)]])
+            wind = winds[int(j)]
+            arises = float(self.arising(name)[wind])
             time = float(self.times[i]) if np.isnan(arises) else arises
-            largest[name] = Worst(float(values[i, j]), time, self.winds[winds[int(j)]])
+            largest[name] = Worst(float(values[i, j]), time, self.winds[wind])
         return largest
 
     def _columns(self) -> Columns:
@@ -408,11 +416,10 @@ def hundredths(time: float, *, up: bool) -> str:
 def _unknown_notes(sizing: Sizing) -> list[str]:
     """Return notes on winds of a sizing that are not known over the entire flight."""
     begin, end = sizing.schedule.span
-    altitude, notes = sizing.schedule.altitude_text, []
+    altitude, notes = sizing.schedule.altitude_text, []  # altitude in words at a flight time
     for wind, (first, last) in zip(sizing.winds, sizing.known_times.tolist(), strict=True):
-        limits = [f"from {altitude(first)}"] * (begin < first) + [f"to {altitude(last)}"] * (
-            last < end
-        )
+        limits = [f"from {altitude(first)}"] if begin < first else []
+        limits += [f"to {altitude(last)}"] if last < end else []
         if limits:
             notes.append(
                 f"{wind} is known {' '.join(limits)} only; beyond, the wind is unknown, not"
@@ -424,17 +431,19 @@ def _unknown_notes(sizing: Sizing) -> list[str]:
 def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
     """Return notes on winds of a sizing beyond the single-pole theory."""
     beyond, notes = sizing.beyond_single_pole, []
-    more = "the minimum counts two poles, and every dead band requires at least as much"
+    consequence = "the minimum counts two poles, and every dead band requires at least as much"
     if sizing.model in ONE_POLE:
-        more = f"{sizing.model} leaves out the slow pole, which may require more ({DEFAULT_MODEL})"
+        consequence = (
+            f"{sizing.model} leaves out the slow pole, which may require more ({DEFAULT_MODEL})"
+        )
     for j, wind in enumerate(sizing.winds):
         if np.any(beyond[:, j]):
-            i = int(np.argmax(beyond[:, j]))
-            lasts, edge = sizing.ends[i, j] - sizing.begins[i, j], sizing.edge[i]
-            holds = "no triangle" if np.isnan(edge) else f"triangles up to {edge:.1f} s"
+            i = int(np.argmax(beyond[:, j]))  # first flight time at which the wind is beyond it
+            duration, longest = sizing.ends[i, j] - sizing.begins[i, j], sizing.edge[i]  # [s]
+            holds = "no triangle" if np.isnan(longest) else f"triangles up to {longest:.1f} s"
             notes.append(
-                f"{wind} ({lasts:.4g} s at {sizing.times[i]:.6g} s) is beyond the single-pole"
-                f" theory, which holds for {holds}: {more}"
+                f"{wind} ({duration:.4g} s at {sizing.times[i]:.6g} s) is beyond the single-pole"
+                f" theory, which holds for {holds}: {consequence}"
             )
     return notes
 
@@ -481,8 +490,9 @@ def _end_notes(sizing: Sizing) -> list[str]:
             ends.setdefault(f"first flight time, {times[0]:.6g} s; before", []).append(name)
         if values[-1] > (1.0 + _RELATIVE_TOLERANCE) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
-    single = any(np.isfinite(times).any() for times in sizing.arises.values())
-    frozen = "with the vehicle frozen at each flight time, " * single
+    # varying parameters give a wind that is fixed in flight time a single number, not one by time
+    has_fixed = any(np.isfinite(times).any() for times in sizing.arises.values())
+    frozen = "with the vehicle frozen at each flight time, " if has_fixed else ""
     return [
         f"{frozen}largest at the {end} it, these may be larger: {'; '.join(names)}"
         for end, names in ends.items()

@@ -42,16 +42,23 @@ def marks_line(sizing: Sizing) -> str:
 
 def legend(sizing: Sizing) -> str:
     """Return the definitions of the requirements of a sizing, in sentences."""
-    trusts = " K below 1 trusts a forecast." if (sizing.dead_bands < 1.0).any() else ""
-    signed = f" Head and tail wind: K = {sizing.dead_bands[0]:g} with the dynamic pressure in them."
-    signed *= any(requirement.direction for requirement in sizing.required)
-    definition = f"{WIND_KNOWN.capitalize()}: {QUANTITIES[WIND_KNOWN]}."
     first = Requirement(dead_band=sizing.dead_bands[0])
-    error = (
-        f" {_FREEZING_ERROR_HEAD.format(first)}: by how much it is larger with the vehicle frozen"
-        " at the flight time than with one that changes during the wind."
-    ) * bool(sizing.freezing_error)
-    return f"{NO_FORECAST.capitalize()}: {sizing.law_words}. {definition}{trusts}{signed}{error}"
+    sentences = [
+        f"{NO_FORECAST.capitalize()}: {sizing.law_words}.",
+        f"{WIND_KNOWN.capitalize()}: {QUANTITIES[WIND_KNOWN]}.",
+    ]
+    if (sizing.dead_bands < 1.0).any():
+        sentences.append("K below 1 trusts a forecast.")
+    if any(requirement.direction for requirement in sizing.required):
+        sentences.append(
+            f"Head and tail wind: K = {first.dead_band:g} with the dynamic pressure in them."
+        )
+    if sizing.freezing_error:
+        sentences.append(
+            f"{_FREEZING_ERROR_HEAD.format(first)}: by how much it is larger with the vehicle"
+            " frozen at the flight time than with one that changes during the wind."
+        )
+    return " ".join(sentences)
 
 
 def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
@@ -103,27 +110,24 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
         tables = [fixed_wind_table(sizing, wind or 0)]
     if sizing.freezing_error:
         band = Requirement(dead_band=sizing.dead_bands[0])
-        errors_percent = [
-            [_freezing_error_cell(sizing, band, i, wind)] for i in range(sizing.times.size)
-        ]
-        errors = (_freezing_error(sizing, band, i, wind) for i in range(sizing.times.size))
-        shown = [not abs(error) > _MAX_FREEZING_ERROR for error in errors]
-        caption, last = (
-            "Required deflection with the vehicle frozen at each flight time",
+        errors = [_freezing_error(sizing, band, i, wind) for i in range(sizing.times.size)]
+        last, cells = (
             [_FREEZING_ERROR_HEAD.format(band)],
+            [
+                [number(f"{_key(i, wind)}.frozen_off_percent", 100.0 * error, 1)]
+                for i, error in enumerate(errors)
+            ],
         )
-        if all_fixed:
-            caption = "Required deflection with the vehicle frozen at each flight time"
-            errors_percent = [
-                [*requirement, *more]
-                for requirement, more in zip(errors_percent, marks, strict=True)
-            ]
+        if all_fixed:  # there is no first table with the columns of validity
+            cells = [[*cell, *more] for cell, more in zip(cells, marks, strict=True)]
             last += validity
+        shown = [not abs(error) > _MAX_FREEZING_ERROR for error in errors]
+        caption = "Required deflection with the vehicle frozen at each flight time"
         times = keys if all_fixed else [_time(time) for time in sizing.times]
         if not all(shown):
             caption += ", where that is off by at most 100 %"
         if any(shown):
-            tables.append(of_names(caption, times, frozen, last, errors_percent, shown))
+            tables.append(of_names(caption, times, frozen, last, cells, shown))
     if sizing.separate:
         plane_heads = (f"{plane} alone" for plane in sizing.separate)
         head = ["time [s]", "both planes", *plane_heads, "pitch alone misses [%]"]
@@ -163,9 +167,11 @@ def _is_fixed(sizing: Sizing, names: Sequence[Requirement]) -> BoolArray:
 
 
 def _differing(sizing: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
-    """Return indices of flight times at which a requirement differs; a fixed wind has the first.
+    """Return indices of the flight times of the rows of a requirement.
 
-    `name`: the requirement. `wind`: index of a wind, None for the worst.
+    They are all; for winds that are fixed in the flight, with one number for all flight times, the
+    first at which it is known. `name`: the requirement. `wind`: index of a wind, None for the
+    worst.
     """
     fixed = ~np.isnan(sizing.arising(name))
     finite = np.isfinite(sizing.required[name])
@@ -184,8 +190,8 @@ def by_wind(sizing: Sizing, counted: Requirement) -> Table:
     for j, wind in enumerate(sizing.winds):
         worst = sizing.worst_in(wind)
         largest = {k: degrees(f"largest.{j}.{k}", x.deflection) for k, x in worst.items()}
-        when = significant("", worst[counted].time, 5) if counted in worst else ("-",)
-        rows.append(((wind,), *(largest.get(k, ("-",)) for k in names), when))
+        time = significant("", worst[counted].time, 5) if counted in worst else ("-",)
+        rows.append(((wind,), *(largest.get(k, ("-",)) for k in names), time))
     head = ("wind", *map(_short, names), f"{counted}: time [s]")
     return Table("The largest over the flight, by wind [deg]", head, tuple(rows))
 
@@ -263,22 +269,14 @@ def _marks(sizing: Sizing, i: int) -> str:
     return "".join(mark for mark, present in marks.items() if present)
 
 
-def _freezing_error_cell(sizing: Sizing, name: Requirement, i: int, wind: int | None) -> Line:
-    """Return the cell of the relative error [%] of the frozen requirement `name`.
-
-    `i`: index of the flight time; `wind`: index of a wind, None for the worst.
-    """
-    percent = 100.0 * _freezing_error(sizing, name, i, wind)
-    return number(f"{_key(i, wind)}.frozen_off_percent", percent, 1)
-
-
 def _freezing_error(sizing: Sizing, name: Requirement, i: int, wind: int | None) -> float:
     """Return the relative error of the frozen requirement `name`; NaN if unknown.
 
     It is against the requirement with parameters that vary during the wind. `i`: index of the
     flight time; `wind`: index of a wind, None for the worst.
     """
-    along = sizing.required[replace(name, varying=True)][i]
+    along = sizing.required[replace(name, varying=True)][i]  # [rad], by wind
+    # the worst wind: an unknown requirement is below all others, which are not negative
     j = int(np.argmax(np.nan_to_num(along, nan=-1.0))) if wind is None else wind
     unknown = np.isnan(along[j]) or np.isnan(sizing.required[name][i, j])
     return np.nan if unknown else float(np.nan_to_num(sizing.freezing_error[name][i, j]))
@@ -298,6 +296,7 @@ def _by_planes(sizing: Sizing, counted: Requirement, i: int, wind: int | None) -
     flight has the time at which its requirement arises.
     """
     required, key = sizing.required[counted][i], f"{_key(i, wind)}.planes"
+    # the worst wind: an unknown requirement is below all others, which are not negative
     j = int(np.argmax(np.nan_to_num(required, nan=-1.0))) if wind is None else wind
     arises = float(sizing.arising(counted)[j])
     return (

@@ -127,16 +127,16 @@ class DeflectionTotal(Shown):
             words = " remaining after the reserve" if self.reserve else " remaining"
             line: Cell = (f"{sufficiency(True)}, ", *remaining, words)
             if self.sufficient is None:
-                line = (f"{sufficiency(None)}; where the winds are known ", *line[1:])
+                line = (f"{sufficiency(None)}; where the winds are known ", *remaining, words)
             if not self.lines:
                 line = (sufficiency(None),)
             elif self.sufficient is False:
-                lacks = self.required - self.limit
-                short = degrees("total.short", lacks, unit="deg")
-                if lacks < _MIN_SHORTFALL_RAD:
-                    short = significant("total.short_deg", np.degrees(lacks), unit="deg")
+                shortfall = self.required - self.limit  # [rad]
+                short = degrees("total.short", shortfall, unit="deg")
+                if shortfall < _MIN_SHORTFALL_RAD:
+                    short = significant("total.short_deg", np.degrees(shortfall), unit="deg")
                 line = (f"{sufficiency(False)}, short by ", *short)
-                if lacks <= 0.0:
+                if shortfall <= 0.0:  # the rate limit is too low, not the deflection limit
                     line = (f"{sufficiency(False)} at this rate limit",)
             limit = degrees("total.limit", self.limit, unit="deg")
             verdicts.append(("Limit ", *limit, ": ", *line))
@@ -167,15 +167,16 @@ class DeflectionTotal(Shown):
         Raises `InputError` for an outcome that is no text.
         """
         errors.text("autopilot", autopilot)
-        words = [cell_text(line) for line in self.verdict]
-        words[1:] = [f"{word[0].lower()}{word[1:]}" for word in words[1:]]
+        clauses = [cell_text(line) for line in self.verdict]
+        clauses[1:] = [f"{clause[0].lower()}{clause[1:]}" for clause in clauses[1:]]
         if autopilot:
-            words[:1] = [word.replace(": ", ": budget ", 1) for word in words[:1]]
-            words.insert(1, f"autopilot {autopilot}")
+            clauses[:1] = [clause.replace(": ", ": budget ", 1) for clause in clauses[:1]]
+            clauses.insert(1, f"autopilot {autopilot}")
         if self.lines:
-            where = at_time(self, "the", " of those that are known" * bool(self.not_sized))
-            words.append(f"budget {np.degrees(self.required):.3f} deg{where}")
-        return "; ".join(words)
+            known = " of those that are known" if self.not_sized else ""
+            where = at_time(self, "the", known)
+            clauses.append(f"budget {np.degrees(self.required):.3f} deg{where}")
+        return "; ".join(clauses)
 
     @property
     def systematic(self) -> float:
@@ -243,8 +244,9 @@ def total_table(total: DeflectionTotal, counted: str = "") -> Table:
 def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
     """Return the worst flight time of a total as the end of a caption.
 
-    With the listed times between which it lies, or the end of the flight that it is. `whose`,
-    `defined`: words before the time, such as "its" or "the", and after it.
+    With the listed times between which it lies, or the end of the flight that it is. `whose`: word
+    before "worst flight time", such as "its". `defined`: words after it, such as "of those that are
+    known".
     """
     if total.time is None:
         return ""
@@ -337,28 +339,25 @@ def total_deflection(
     errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     errors.single("vehicle", vehicle.batch)
     others = errors.each("others", others, Line, "such as Line('wind tunnel', 0.01)")
-    thrust, axial, slope, arm = (
+    thrust, axial, slope, arm = (  # [N], [N], [N/rad], [m]
         float(np.asarray(x))
         for x in (vehicle.thrust, vehicle.axial_force, vehicle.control_force, vehicle.control_arm)
     )
-    rotated = errors.number("thrust_offset", thrust_offset, errors.small_angle("an angle"), "rad")
-    aside = errors.number("gravity_offset", gravity_offset, errors.finite, "m")
+    deflection = errors.number("nominal", nominal, errors.small_angle("a deflection"), "rad")
+    wind = errors.number("wind", wind, errors.finite, "rad")
+    dispersion = errors.number("dispersion", dispersion, errors.nonnegative, "rad")
+    angle = errors.number("thrust_offset", thrust_offset, errors.small_angle("an angle"), "rad")
+    distance = errors.number("gravity_offset", gravity_offset, errors.finite, "m")
+    balance = abs((thrust - axial) * distance / (slope * arm))
     lines = (
-        Line(
-            "nominal flight",
-            abs(errors.number("nominal", nominal, errors.small_angle("a deflection"), "rad")),
-        ),
-        Line("wind", abs(errors.number("wind", wind, errors.finite, "rad"))),
-        Line(
-            "dispersions",
-            errors.number("dispersion", dispersion, errors.nonnegative, "rad"),
-            "random",
-        ),
-        Line("thrust offset", thrust * float(np.sin(abs(rotated))) / slope, "random"),
-        Line("centre of gravity offset", abs((thrust - axial) * aside / (slope * arm)), "random"),
+        Line("nominal flight", abs(deflection)),
+        Line("wind", abs(wind)),
+        Line("dispersions", dispersion, kind="random"),
+        Line("thrust offset", thrust * float(np.sin(abs(angle))) / slope, kind="random"),
+        Line("centre of gravity offset", balance, kind="random"),
     )
     time = None if vehicle.time is None else float(np.asarray(vehicle.time))
-    return DeflectionTotal((*lines, *others), reserve, limit, time)
+    return DeflectionTotal((*lines, *others), reserve=reserve, limit=limit, time=time)
 
 
 def worst_total(
@@ -408,11 +407,18 @@ def worst_total(
         errors.text("reason", turbulence)
         not_sized = (*not_sized, f"in turbulence: {turbulence}")
     if not totals:
-        reserve, limit = offsets.get("reserve") or 0.0, offsets.get("limit")
-        return DeflectionTotal((), reserve, limit, None, not_sized, rate_limit, np.nan)
+        return DeflectionTotal(
+            lines=(),
+            reserve=offsets.get("reserve") or 0.0,
+            limit=offsets.get("limit"),
+            not_sized=not_sized,
+            rate_limit=rate_limit,
+            needed_rate=np.nan,
+        )
     # a time at which the nozzle is too slow is worse than any other
     worst = max(totals, key=lambda total: (total.too_slow, total.total))
     needed = max(total.needed_rate for total in totals)
+    # an end of the flight is named only where the totals of all other times are smaller
     others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
     end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
     return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
@@ -466,9 +472,8 @@ def _turbulence(turbulence: FlightTurbulence | str | None, time: float) -> tuple
     """Return the contribution of turbulence at a flight time [s]; none where it is not known."""
     if not isinstance(turbulence, FlightTurbulence):
         return ()
-    return (
-        Line(f"turbulence, {turbulence.request.label}", turbulence.quantile_at(time), "random"),
-    )
+    name = f"turbulence, {turbulence.request.label}"
+    return (Line(name, turbulence.quantile_at(time), kind="random"),)
 
 
 def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]]:
@@ -482,20 +487,21 @@ def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]
     by_time = np.fmax.reduce(np.where(fixed, np.nan, required), axis=1)
     needs = list(zip(sizing.times.tolist(), by_time.tolist(), strict=True))
     if fixed.any():
-        once = np.fmax.reduce(required[:, fixed], axis=0)
-        first, last = sizing.schedule.span
-        needs += zip(np.clip(arises[fixed], first, last).tolist(), once.tolist(), strict=True)
+        by_wind = np.fmax.reduce(required[:, fixed], axis=0)
+        times = np.clip(arises[fixed], *sizing.schedule.span)
+        needs += zip(times.tolist(), by_wind.tolist(), strict=True)
     return [(time, wind) for time, wind in needs if not np.isnan(wind)]
 
 
 def flight_end(sizing: Sizing, time: float | None) -> str:
     """Return which end of the flight of a sizing a worst time [s] is, in words.
 
-    Empty between the ends, and without a time.
+    Ends are those of the schedule, of a known wind, and of the flight times that are sized. Empty
+    between the ends, and without a time.
     """
     if time is None:
         return ""
-    for end, beyond, k in (("first", "before", 0), ("last", "after", -1)):
+    for end, beyond, k in (("first", "before", 0), ("last", "after", -1)):  # k: index of the end
         if np.isclose(time, sizing.schedule.span[k], rtol=0.0, atol=_TIME_TOLERANCE):
             return f"the {end} of the schedule: more may be needed {beyond}"
         if np.any(np.isclose(time, sizing.known_times[:, k], rtol=0.0, atol=_TIME_TOLERANCE)):
@@ -511,23 +517,24 @@ def _at_rate(
     """Return a total with the contribution of a rate limit [rad/s], and the required rate.
 
     `wind`: deflection [rad] that the wind requires. `pole`: fastest unstable pole [1/s]; zero
-    without one. The slower the nozzle, the later it reaches the deflection; see
-    `ramped_deflection`.
+    without one. A ramp reaches its deflection late, and must go to a larger one.
     """
     if rate_limit is None or not wind or not pole:
         return replace(total, rate_limit=rate_limit)
-    more = float(ramped_deflection(wind, pole, rate_limit)) - wind
-    others, rate = total.total - wind, pole * wind
+    excess = float(ramped_deflection(wind, pole, rate_limit)) - wind
+    needed_rate = pole * wind  # below it no ramp is sufficient, whatever its deflection
     if total.limit is not None:
-        rate = float(ramp_rate(wind, pole, (1.0 - total.reserve) * total.limit - others))
-    lines = (*total.lines, Line("rate limit", more)) if np.isfinite(more) else total.lines
-    return replace(total, lines=lines, rate_limit=rate_limit, needed_rate=rate)
+        others = total.total - wind
+        available = (1.0 - total.reserve) * total.limit - others
+        needed_rate = float(ramp_rate(wind, pole, available))
+    lines = (*total.lines, Line("rate limit", excess)) if np.isfinite(excess) else total.lines
+    return replace(total, lines=lines, rate_limit=rate_limit, needed_rate=needed_rate)
 
 
 def _fastest(sizing: Sizing, time: float) -> float:
-    """Return the largest size of an unstable pole [1/s] of a sizing's planes at a time [s].
+    """Return the largest size of an unstable pole [1/s] of a sizing's planes at a flight time [s].
 
-    `time`: flight time. Zero without an unstable pole.
+    Zero without an unstable pole.
     """
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]

@@ -300,7 +300,9 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
         *along_the_path(requirement),
         *(
             plane_notes
-            or direction_notes(requirement.planes, plan.plane, judged=False, calm=nominal)
+            or direction_notes(
+                requirement.planes, plan.plane, both_judged=False, at_nominal_pressure=nominal
+            )
         ),
         *(() if nominal else [_NOMINAL]),
     ]
