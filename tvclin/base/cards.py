@@ -110,9 +110,9 @@ class Shown(Record):
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
     """Yield (label, value, unit) rows of a field: one, or one per entry of a mapping or `Record`.
 
-    Of a tuple of records each has its rows, with its name or its number. Nothing is
-    yielded for None and an empty text or tuple. `name`: label of the field, ahead of an entry's.
-    `unit`: text, of the value and its entries.
+    Of a tuple of records each has its rows, with its name; without names it is one row with their
+    number. Nothing is yielded for None and an empty text or tuple. `name`: label of the field,
+    ahead of an entry's. `unit`: text, of the value and its entries.
     """
     if isinstance(value, dict):
         for label, item in value.items():

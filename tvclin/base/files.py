@@ -236,7 +236,8 @@ def tables_of(text: str, source: str) -> dict[str, Any]:
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{name} is not valid TOML: {called(error)}") from None
+        text_of_error = called(error)  # in one line
+        raise InputError(f"{name} is not valid TOML: {text_of_error}") from None
     except RecursionError:
         raise InputError(f"{name} is not valid TOML: its lists are nested too deep") from None
     except ValueError:  # Python refuses integers of so many digits

@@ -172,6 +172,7 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
         for question in of_the_rigid:
             said = f"{_RIGID_NUMBERS[question]} are of the vehicle, without the plant in its file"
             yield f"{said} (tvclin margins has it)"
+    # a structure and flights of laws need a model other than some that a case may have
     flown = case.law_model if "fly --law all" in questions else case.loop_model
     if flown != case.model and not any(map(is_rigid_only, questions)):
         drift = case.model == "drift"

@@ -164,6 +164,7 @@ def shift_words(vehicle: AnyVehicle, plane: str) -> str:
     shift = shift_of(plant_of(vehicle, DEFAULT_MODEL, plane))
     if shift is None:
         return ""
+    # `trim_price`: change of the deflection per wind angle at the fast pole [%]
     pole, deflection = (_percent(float(x)) for x in (shift.fast_pole, shift.trim_price))
     return f"would move the fast pole by {pole} and the required deflection by {deflection}"
 

@@ -148,7 +148,7 @@ class LoadBound:
         return load_trade_off(
             case.plant.rigid,
             case.history,
-            [self.bound] if only_bound else None,
+            loads=[self.bound] if only_bound else None,
             limit=None if limit is None else limit * fraction,
             load=self.bound,
             rate_limit=case.hardware["rate_limit"],

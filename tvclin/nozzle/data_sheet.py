@@ -140,14 +140,8 @@ class NozzleVerdict(Shown):
             minimum, available = item.in_document_unit(required[item.name]), item.value(nozzle)
             if diverged and minimum <= (available or 0.0):
                 minimum = np.nan
-            lines.append(
-                DataSheetLine(
-                    name=item.title,
-                    unit=written(item.suffix),
-                    required=minimum,
-                    available=available,
-                )
-            )
+            name, unit = item.title, written(item.suffix)
+            lines.append(DataSheetLine(name, unit, required=minimum, available=available))
         return cls(tuple(sorted(lines, key=lambda line: -line.ratio)), diverged, tuple(unknown))
 
     @classmethod

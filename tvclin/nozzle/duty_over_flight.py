@@ -216,6 +216,7 @@ def flight_duty(
         case=case, request=request, limit=case.nozzle.limit, law=law, edges=edges
     )
     points: list[DutyPoint] = []
+    # pulses are the first of the winds; without a heading each is flown as head and tail wind
     signed = [pulse.heading is None for pulse in request.pulses(case)]
     unknown: dict[str, dict[float, str]] = {}
     angles = dict.fromkeys(winds, 0.0)
@@ -223,13 +224,9 @@ def flight_duty(
     with repeated(len(pairs)):
         for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
+            vehicle = request.schedule.at(time)
             placed = placed_in_planes(
-                conditions.planes,
-                wind,
-                vehicle=request.schedule.at(time),
-                time=time,
-                placing="peak",
-                window=1.0,
+                conditions.planes, wind, vehicle, time, placing="peak", window=1.0
             )
             for in_plane in placed.values():
                 if not in_plane.known:
@@ -239,20 +236,21 @@ def flight_duty(
             points += conditions.points(i, time, name, placed, sign, _measured(wind))
             if progress is not None:
                 progress(done, len(pairs))
-    random = _in_turbulence(case, request, law, max(angles.values()), turbulence)
-    unjudged = (
+    unjudged = [
         *unknown_winds(request.schedule, winds, unknown),
         *unjudged_flights(law, points, case.law_model),
-        *([f"turbulence: {random}"] if isinstance(random, str) else []),
-    )
-    random = None if isinstance(random, str) else random
+    ]
+    random = _in_turbulence(case, request, law, max(angles.values()), turbulence)
+    if isinstance(random, str):  # the reason why it is not known
+        unjudged.append(f"turbulence: {random}")
+        random = None
     duties = tuple(_duties(points, winds, np.diff(conditions.edges)))
     return FlightDuty(
         vehicle=request.schedule.vehicle.name,
         law=law,
         points=tuple(points),
         duties=duties,
-        verdict=_verdict(conditions, points, duties, unjudged, random),
+        verdict=_verdict(conditions, points, duties, tuple(unjudged), random),
         notes=(
             *doubtful_winds(angles),
             *_turbulence_notes(random, law, case.nozzle),
@@ -312,12 +310,9 @@ class _Conditions:
             for direction, at_peak, history in encountered_winds(
                 vehicle, in_plane, placed, case.sign, signed=signed, interval=interval
             ):
+                wind = f"{name}{in_wind(direction)}"
                 point = DutyPoint(
-                    time=time,
-                    wind=f"{name}{in_wind(direction)}",
-                    plane=plane,
-                    limit=limits[plane],
-                    direction=direction,
+                    time=time, wind=wind, plane=plane, limit=limits[plane], direction=direction
                 )
                 yield self._flown(point, at_peak, history, interval)
 
@@ -505,6 +500,7 @@ def _add_turbulence(
         ]
         required[name] = float(np.max([required[name], *sizes]))
     travels = [wind.travel for wind in turbulence.winds]
+    # travel [rad] that turbulence adds to that of each wind
     added = [
         np.nan if x is None else x.expected - x.of_wind + turbulence.sigmas * x.deviation
         for x in travels

@@ -91,9 +91,10 @@ class FlownTradeOff(Shown):
             yield degrees(f"laws.{k}.rate", rates[k])
             for name, values in (self.limits | lower).items():
                 shown = degrees(f"laws.{k}.{name}", values[k])
+                # a star where some lower limits survive as well
                 odd = name in self.monotone and not self.monotone[name][k]
-                more = ("*",) if odd else ()
-                yield (*shown, *more) if np.isfinite(values[k]) else ("none",)
+                star = ("*",) if odd else ()
+                yield (*shown, *star) if np.isfinite(values[k]) else ("none",)
 
         caption = "Required deflection limit of each law in flight [deg]"
         head = ("rate limit [deg/s]", *self.limits, *lower)
@@ -171,16 +172,21 @@ def flown_trade_offs(
             progress(done + winds / total_winds, total)
 
     def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
-        """Return the flown boundary of a law, by `name`, in a case at a rate limit [rad/s]."""
+        """Return the minimum limit of a law, by `name`, in a case at a rate limit [rad/s].
+
+        Limits up to three times the largest trim deflection are flown through the wind, and through
+        it with sudden ends. It counts as one of the boundaries done.
+        """
         nonlocal done
-        options = {
-            **case.hardware,
-            "rate_limit": rate,
-            "cuts": cuts,
-            "highest": _MAX_LIMIT_TRIM_RATIO,
-        }
-        law = specified_law(case, name, rate)
-        boundary = closed_loop_boundary(case.plant, law, case.history, **options, progress=advanced)
+        boundary = closed_loop_boundary(
+            case.plant,
+            specified_law(case, name, rate),
+            case.history,
+            **case.hardware | {"rate_limit": rate},
+            cuts=cuts,
+            highest=_MAX_LIMIT_TRIM_RATIO,
+            progress=advanced,
+        )
         done += 1
         advanced(0, 1)  # no wind yet of the next boundary
         return boundary
@@ -224,11 +230,11 @@ def _check_samples(
 
 
 def _minimum(case: Case, rates: ArrayLike | None) -> RateTradeOff:
-    """Return the trade-off of theory of a case at `rates` [rad/s], or at multiples of its least.
+    """Return the trade-off of limit over rate limit of a case by theory, at `rates` [rad/s].
 
-    The deflection limit that a control which knows the wind requires at each rate limit. The rate
-    limit of the case's nozzle is added. Without `rates` they are 1.25 to 20 times the rate that
-    must be exceeded with any deflection limit, or else the required rate.
+    It is the deflection limit that a control which knows the wind requires at each rate limit. The
+    rate limit of the case's nozzle is added. Without `rates` they are 1.25 to 20 times the rate
+    that must be exceeded with any deflection limit, or else the required rate.
     """
     nozzle, plant, wind = case.nozzle, case.plant.rigid, case.history
     theory = partial(rate_trade_off, plant, wind, limit=nozzle.limit, rate_limit=nozzle.rate_limit)
@@ -246,7 +252,7 @@ _RATE_RANGE = (1e-3, 2.0)
 
 
 def flown_required_rate(case: Case, law: Law) -> float:
-    """Return the smallest rate limit [rad/s] from which on all are survived by a law, flown.
+    """Return the smallest rate limit [rad/s] from which on a law survives with every one, flown.
 
     The deflection limit is that of the case. Rate limits are tried from a thousandth to twice the
     peak rate of the nozzle without a rate limit, in steps of 2 percent, and of 0.02 percent at the

@@ -244,7 +244,7 @@ def _modes(findings: Findings) -> Iterator[Assumption]:
 
     unstable: Line = ()
     for j, mode in enumerate(f.detuned.stable_ranges):
-        line = mode.line(f"assumptions.edge.{j}", NEAR)
+        line = mode.line(f"assumptions.edge.{j}", NEAR)  # empty for a loop that stays stable
         unstable += (", and " if unstable else "", *line) if line else ()
     words = "The frequencies of modes are those of the vehicle file"
     if unstable:
@@ -259,7 +259,7 @@ def detuning_notes(findings: Findings) -> Iterator[str]:
     detuned = findings.flexible and findings.flexible.detuned
     if not detuned:
         return
-    from tvclin.control.autopilot.detuning import detuning_note  # late, as above
+    from tvclin.control.autopilot.detuning import detuning_note  # late: a rigid study has no modes
 
     if note := detuning_note(detuned.stable_ranges):
         yield f"{note}; tvclin margins --detuned shows the margins"
@@ -320,6 +320,7 @@ def loop_notes(findings: Findings) -> Iterator[str]:
         return
     from tvclin.case.flexible_autopilot import actuator_notes, gain_notes  # late: designs
 
+    # turbulence alone, of an autopilot whose textbook gains no margin has judged yet
     if air is not None and margins is None and plan.autopilot_design.unspecified:
         yield (
             f"{air.label} of turbulence are {np.degrees(air.sigmas * air.deflection_rms):.3f} deg"

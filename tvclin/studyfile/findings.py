@@ -138,12 +138,8 @@ class Findings:
         if self.stop is None:
             return None
         head = None if self.head is None else self.head.stop
-        return AutopilotRequirement(
-            nominal=self.stop,
-            head=head,
-            head_counts=counts_head(self.study),
-            plane_ratio=self.study.plane_ratio,
-        )
+        counts, ratio = counts_head(self.study), self.study.plane_ratio
+        return AutopilotRequirement(self.stop, head, head_counts=counts, plane_ratio=ratio)
 
     @property
     def autopilot_survives(self) -> float:
@@ -285,7 +281,11 @@ def find(
             ),
             head=result("head", lambda limit, _: _in_a_head_wind(plan, study, flying, loop, limit)),
             sweep=result("sweep", lambda *_: _flight_loop(plan).sweep()),
-            flights=flight and result("flights", partial(_flights, plan, flight[0])),
+            flights=flight
+            and result(
+                "flights",
+                lambda _, progress: _flight_loop(plan).use(flight[0], progress=progress),
+            ),
             reasons=reasons,
             warnings=tuple(messages),
         )
@@ -438,12 +438,10 @@ def _in_a_head_wind(
     if plan.turbulence is not None:
         with suppress(InputError):
             denser = _with_load_of(at_peak_pressure(plan, study), plan)
-
-            def denser_loop() -> tuple[AnyPlant, Autopilot]:
-                """Return the plant at the higher dynamic pressure, and the autopilot."""
-                return denser.plant, loop()[1]
-
-            turbulence = _turbulence(denser, study, denser_loop, plan.turbulence)
+            _, autopilot = loop()  # flown with the plant at the higher dynamic pressure
+            turbulence = _turbulence(
+                denser, study, lambda: (denser.plant, autopilot), plan.turbulence
+            )
     return HeadWind(stop=stop, rates=rates, loads=loads, turbulence=turbulence)
 
 
@@ -522,15 +520,6 @@ def _flight_loop(plan: StudyPlan) -> FlightLoop:
     from tvclin.studyfile.flight_loop import FlightLoop
 
     return FlightLoop.of(plan)
-
-
-def _flights(plan: StudyPlan, sizing: Sizing, _: float, progress: Progress) -> FlightsOfLoop:
-    """Return the flights of the autopilot of a plan along its flight, with its use of the nozzle.
-
-    `sizing`: sizing of the flight. `_`: deflection limit [rad], which the plan has too. `progress`:
-    called with flights done and in total.
-    """
-    return _flight_loop(plan).use(sizing, progress=progress)
 
 
 def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> FlightDuty:

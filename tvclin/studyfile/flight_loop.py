@@ -206,7 +206,7 @@ class FlightLoop:
                     used = np.fmax(used, np.where(times == case.time, largest, np.nan))
                 flown = within_linear_range(flown)
                 of_case.append(FlightOutcome.of(case, direction, flown, self._omitted(case)))
-                if of_case[-1].is_worst_of([*outcomes, *of_case]):
+                if of_case[-1] is max([*outcomes, *of_case], key=_severity):
                     worst_flight = flown
             outcomes.append(max(of_case, key=_severity))
             if progress is not None:
@@ -295,7 +295,7 @@ class FlightLoop:
         is not computed, and NaN. `progress`: called with flights done and in total.
         """
         flown, autopilot_required = self.fly(progress), None
-        counted = self.request.counted(sizing, self.plan.sign)
+        counted = self.request.counted(sizing, self.plan.sign)  # the requirement that counts
         if requirements and self.plan.planes == BOTH:
             unknown = np.full((sizing.times.size, len(sizing.winds)), np.nan)
             autopilot_required = AutopilotRequirements(
@@ -310,7 +310,7 @@ class FlightLoop:
                 sign=self.plan.sign,
                 progress=progress,
             )
-        bounds = [
+        bounds = [  # of the same kind, and known at any time
             requirement
             for requirement in (replace(MINIMUM, varying=counted.varying), NO_FORECAST)
             if requirement.varying == counted.varying
@@ -464,10 +464,10 @@ class FlightOutcome(Record):
         """Return the outcome of a flight `flown` through a wind in a direction.
 
         `case`: wind with its name. `direction`: "head", "tail", "frozen" for the nominal dynamic
-        pressure, or None for the wind's own. `omitted`: part of the flight in which
-        the wind is not known, in words; empty where it is known throughout. A flight with the
-        status "lost" diverges, one that "rings" oscillates at its end; any other but "survived" is
-        not known, as is survival beyond linear angles.
+        pressure, or None for the wind's own. `omitted`: part of the flight in which the wind is not
+        known, in words; empty where it is known throughout. A flight with the status "lost"
+        diverges, one that "rings" oscillates at its end; any other but "survived" is not known, as
+        is survival beyond linear angles.
         """
         survived = {"survived": True, "lost": False, "rings": False}.get(flown.status)
         names = ("deflection", "deflection_rate", "angle_of_attack", "attitude")
@@ -487,10 +487,6 @@ class FlightOutcome(Record):
             peak_time=flown.largest("deflection").time,
             **peaks,
         )
-
-    def is_worst_of(self, outcomes: Sequence[FlightOutcome]) -> bool:
-        """Return whether the outcome is the worst: not survived, not known, most deflection."""
-        return max(outcomes, key=_severity) is self
 
     @property
     @derived(label="wind", card=False, document=False)

@@ -295,21 +295,21 @@ def _keys(name: str, table: FileTable) -> Iterator[Key]:
         specified |= parameters(record)
     for quantity in (*table.quantities, *table.words, *table.lists):
         full = f"{name}.{quantity}"
-        if full == "autopilot.filter":
+        if full == "autopilot.filter":  # a table with keys of its own
             continue
         field = table.fields.get(quantity, quantity)
         item = specified.get(field)
         spelled = [key for key, (of, _) in table.keys.items() if of == quantity]
         first = (spelled or [quantity])[0]  # key with the SI unit; a word has none
-        if table.quantities.get(quantity, "").startswith("ang"):
+        if table.quantities.get(quantity, "").startswith("ang"):  # angle, angular rate
             first = first.replace("_rad", "_deg")
         default = _DEFAULTS.get(full, "")
         if not default and item is not None:
             default = _default(item, table.keys[first][1] if item.numeric and spelled else None)
-        said = _HELP.get(full) or _SENTENCE.split(_UNIT.sub("", helps.get(field, "")))[0]
+        sentence = _HELP.get(full) or _SENTENCE.split(_UNIT.sub("", helps.get(field, "")))[0]
         others = tuple(written(k.removeprefix(quantity).strip("_")) for k in spelled if k != first)
-        line = said.replace("`", "").rstrip(".")
-        yield Key(f"{name}.{first}", others=others, default=default, help=line)
+        plain = sentence.replace("`", "").rstrip(".")
+        yield Key(f"{name}.{first}", others=others, default=default, help=plain)
 
 
 def _default(item: Any, factor: float | None) -> str:

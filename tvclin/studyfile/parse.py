@@ -127,7 +127,9 @@ def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any])
 def _criteria_of(document: Mapping[str, Any]) -> Criteria | None:
     """Return the criteria of a document; of a rigid vehicle without criteria of modes."""
     criteria = CRITERIA_TABLE.made(document, _criteria)
-    return criteria and criteria.without_mode_limits if is_rigid(document) else criteria
+    if criteria is None or not is_rigid(document):
+        return criteria
+    return criteria.without_mode_limits
 
 
 def _criteria(table: dict[str, Any]) -> Criteria:

@@ -138,17 +138,20 @@ def questioned(plan: StudyPlan) -> StudyPlan:
 def questions(findings: Findings) -> tuple[Question, ...]:
     """Return the questions of a plan with their answers, in the order of the plan.
 
-    `findings`: results of the plan. A question on angles has its measure: required, available.
+    `findings`: results of the plan. A question on angles has its measure: required, available. In a
+    wind beyond linear aerodynamics the answer is None, and in place of yes also where the dynamic
+    pressure encountered is not known.
     """
-    limit = findings.study.limit
-    return tuple(
-        replace(question, measure=_of_angles(question.required_deflection, limit))
-        if question.measure is None
-        and limit is not None
-        and not np.isnan(question.required_deflection)
-        else question
-        for question in _in_linear_range(findings)
-    )
+    study, answers = findings.study, []
+    for question in _answered(findings):
+        answers.append(question)
+        required = question.required_deflection
+        reason = study.beyond_linear or (study.unknown if question.yes is not False else "")
+        if question.name in _IN_THE_WIND and reason:
+            answers[-1] = Question(question.name, None, (reason,))
+        elif question.measure is None and study.limit is not None and not np.isnan(required):
+            answers[-1] = replace(question, measure=_of_angles(required, study.limit))
+    return tuple(answers)
 
 
 def sufficient(findings: Findings) -> bool | None:
@@ -174,20 +177,6 @@ _IN_THE_WIND = (
     *(_TURBULENCE, _TURBULENCE_RATE, _TURBULENCE_LOAD),
 )
 """Questions whose answers rest on the wind of the study."""
-
-
-def _in_linear_range(findings: Findings) -> Iterator[Question]:
-    """Yield the questions of findings; the answer is None in a wind beyond linear aerodynamics.
-
-    It is None in place of yes where the dynamic pressure encountered is not known.
-    """
-    for question in _answered(findings):
-        study, in_wind = findings.study, question.name in _IN_THE_WIND
-        reason = study.beyond_linear or (study.unknown if question.yes is not False else "")
-        if in_wind and reason:
-            yield Question(question.name, None, (reason,))
-        else:
-            yield question
 
 
 def _answered(findings: Findings) -> Iterator[Question]:
@@ -240,70 +229,74 @@ def _wind(findings: Findings) -> Question:
 def _rate(findings: Findings) -> Question:
     """Return the question whether the rate limit is above the lower bound of every control.
 
-    `findings`: results of a plan with a rate limit. In a head wind that governs, yes stands on the
-    dynamic pressure at its peak throughout, too. The bounds hold for every control: that of the
-    deflection at this rate, and that of the rate with this limit. `plane_ratio` makes a limit of
-    both planes of one of this plane.
+    `findings`: results of a plan with a rate limit. Its trade-off of limit over rate has the lower
+    bounds of every control, with the wind known and without a forecast: of the deflection [rad] at
+    this rate, and of the rate [rad/s] with this limit. In a head wind that governs, yes stands on
+    the dynamic pressure at its peak throughout, too. `plane_ratio` makes a limit of this plane one
+    of both planes.
     """
-    name, front = "nozzle rate", findings.rates
-    if front is None:
+    name, trade_off = "nozzle rate", findings.rates
+    if trade_off is None:
         return Question(name, None, (_reason(findings, "rates"),))
-    yes, head = front.above_lower_bound, findings.head
+    yes, head = trade_off.above_lower_bound, findings.head
     at_peak: Line = ()
     if head is not None and head.rates is not None:
-        nominal = degrees("answer.calm_rate", front.required_rate, unit="deg/s")
-        at_peak, front = (_at_peak(findings), *minimum_limit(nominal)), head.rates
-        yes = _also(yes, front.above_lower_bound)
+        nominal = degrees("answer.calm_rate", trade_off.required_rate, unit="deg/s")
+        at_peak, trade_off = (_at_peak(findings), *minimum_limit(nominal)), head.rates
+        yes = _also(yes, trade_off.above_lower_bound)
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
     words = "by the larger of both lower bounds with this limit"
-    if np.isinf(front.required_rate):
+    if np.isinf(trade_off.required_rate):
         words = "with this limit no rate is sufficient"
-    elif yes is None and front.rate_limit is not None:
+    elif yes is None and trade_off.rate_limit is not None:
         words = (
             f"the rate limit covers the bounds {NOMINAL}, and not the larger one with this limit"
         )
     line: Line = (words, *at_peak)
-    required = front.lower_bound * findings.study.plane_ratio
+    required = trade_off.lower_bound * findings.study.plane_ratio
     bounds = "the larger of both lower bounds"
     if at_peak:
         bounds = f"{bounds}, by the peak pressure of a {findings.study.direction} wind throughout,"
     whose = f"at this rate {bounds} requires"
     if yes is False and np.isinf(required):  # no angle is sufficient at this rate
         required, whose = np.nan, f"with this limit {bounds} requires"
-    measure = _of_angles(front.required_rate, front.rate_limit or np.nan, "deg/s")
+    measure = _of_angles(trade_off.required_rate, trade_off.rate_limit or np.nan, "deg/s")
     return Question(name, yes, line, required_deflection=required, whose=whose, measure=measure)
 
 
 def _load(findings: Findings) -> Question:
-    """Return the question whether the limit and the load limit admit a control of known wind.
+    """Return the question whether limit and load limit admit a control that knows the wind.
 
-    `findings`: results of a plan with a load limit. The number of the question is a lower bound
-    with the wind known: by the peak pressure of a head wind throughout, where that sets the
-    requirement, which is no bound of the flight; NOT MET stands on the nominal one.
+    `findings`: results of a plan with a load limit. Its trade-off of limit over load has the lower
+    bound of the deflection [rad] within that load, at nominal dynamic pressure. Where a head wind
+    sets the requirement, the number is the bound by the pressure at its peak throughout, which is
+    no bound of the flight: no there is not known, and NOT MET stands on the nominal one.
     """
-    name, front, rates = "load", findings.loads, findings.rates
-    if front is None:
+    name, trade_off, rates = "load", findings.loads, findings.rates
+    if trade_off is None:
         none = rates is not None and np.isinf(rates.lower_bound)
         words = "at this rate no deflection is sufficient" if none else _reason(findings, "loads")
         return Question(name, False if none else None, (words,))
     line: Line = ("for this load, of a control that knows the wind",)
-    yes, head, ratio = front.above_lower_bound, findings.head, findings.study.plane_ratio
+    yes, head, ratio = trade_off.above_lower_bound, findings.head, findings.study.plane_ratio
     pressure = NOMINAL
     if head is not None and head.loads is not None:
-        nominal = minimum_limit(degrees("answer.calm_load", front.lower_bound * ratio, unit="deg"))
-        covered, front = yes, head.loads
-        yes = _also(yes, front.above_lower_bound)
-        if covered and yes is None and front.limit is not None:
+        nominal = minimum_limit(
+            degrees("answer.calm_load", trade_off.lower_bound * ratio, unit="deg")
+        )
+        covered, trade_off = yes, head.loads
+        yes = _also(yes, trade_off.above_lower_bound)
+        if covered and yes is None and trade_off.limit is not None:
             line = (f"the limit covers the bound of this load {NOMINAL}, and not the larger one",)
         line = (*line, _at_peak(findings), *nominal)
         pressure = f"by the peak pressure of a {findings.study.direction} wind throughout"
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
-    if yes and front.requires_forecast:
+    if yes and trade_off.requires_forecast:
         line = (*line, f"; a {FORECAST_FREE} bears more")
     whose = f"within this load the {WIND_KNOWN}, {pressure}, requires"
-    return Question(name, yes, line, required_deflection=front.lower_bound * ratio, whose=whose)
+    return Question(name, yes, line, required_deflection=trade_off.lower_bound * ratio, whose=whose)
 
 
 def _flight(findings: Findings) -> Question:

@@ -223,9 +223,9 @@ def _vehicle(source: str, tables: dict[str, Any], settings: list[Setting]) -> st
 def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
     """Return tables with keys set; `InputError` where two of the keys exclude each other.
 
-    `tables`: of a file, which are changed. `settings`: keys and values. Two
-    exclude each other where the later removes the key of the earlier. [plant] and [controller],
-    which have a single key, are removed with it.
+    `tables`: of a file, which are changed. `settings`: keys and values. Two exclude each other
+    where the later removes the key of the earlier. [plant] and [controller], which have a single
+    key, are removed with it.
     """
     for setting in settings:
         with naming(f"--set {setting.key}"):
@@ -322,7 +322,7 @@ def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None
     `rows`: rows of the table `name`. `rest`: parts of the key after that name, number or name
     first. An unknown name begins a row of [[dispersion]], and is refused in other tables.
     """
-    label, first = _ROWS.get(name, ""), rest[0]
+    label, first = _ROWS.get(name, ""), rest[0]  # key whose value names a row, and first part
     names = [str(row.get(label, "")) for row in rows] if label else []
     if first.isdigit():
         if not 1 <= int(first) <= len(rows) + 1:

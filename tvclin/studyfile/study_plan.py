@@ -158,19 +158,15 @@ class StudyPlan(Case):
         from tvclin.requirement.flight.request import SizingRequest
 
         types = (
-            *(LawsRequest, Criteria, Dispersions, SizingRequest, AvailabilityRequest, LoadBound),
-            TurbulenceRequest,
+            (LawsRequest, "of the standard laws"),
+            (Criteria, "see Criteria.custom"),
+            (Dispersions, "of Dispersion values"),
+            (SizingRequest, "see load_sizing"),
+            (AvailabilityRequest, "see load_study"),
+            (LoadBound, "of one bound"),
+            (TurbulenceRequest, "of an intensity or a severity"),
         )
-        hints = (
-            "of the standard laws",
-            "see Criteria.custom",
-            "of Dispersion values",
-            "see load_sizing",
-            "see load_study",
-            "of one bound",
-            "of an intensity or a severity",
-        )
-        for name, type_, hint in zip(names, types, hints, strict=True):
+        for name, (type_, hint) in zip(names, types, strict=True):
             if getattr(self, name) is not None:
                 instance(name, getattr(self, name), type_, hint)
         if self.criteria is not None and self.criteria.has_mode_limits and not self._modes:

@@ -112,10 +112,10 @@ class History(Record, ABC):
         return self.remaining_integral_of(s)(t)
 
     def remaining_integral_of(self, s: ArrayLike) -> Callable[[ArrayLike], AnyArray]:
-        """Return the integral of e^(-s (r - t)) f(r) dr from t on, as a function of times t [s].
+        """Return a function of times t [s]: the remaining integral, over r from t on.
 
-        It is precomputed at the knots. `s`: poles [1/s] of unstable modes, which broadcast with
-        ``batch``.
+        It is that of e^(-s (r - t)) times the history at r, precomputed at the knots. `s`: poles
+        [1/s] of unstable modes, which broadcast with ``batch``.
         """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -307,16 +307,16 @@ class History(Record, ABC):
         count = self.knots.shape[-1]
         steps = np.linspace(0.0, 20.0, int(np.clip(_MAX_PROBES // count, 8, 128)))
         rates = np.abs(self.pieces.rates)[..., np.newaxis]
-        offsets = steps / np.where(rates > _MIN_RATE, rates, np.inf)
+        # times [s] after a knot, of all rates in one row
+        after_rate = steps / np.where(rates > _MIN_RATE, rates, np.inf)
+        row = (*after_rate.shape[:-2], after_rate.shape[-2] * after_rate.shape[-1])
+        after = np.sort(after_rate.reshape(row), axis=-1)[..., np.newaxis, :]
         widths = np.diff(self.knots, axis=-1)
-        row = (*offsets.shape[:-2], offsets.shape[-2] * offsets.shape[-1])
-        after = np.sort(offsets.reshape(row), axis=-1)[..., np.newaxis, :]
         inside = np.minimum(after, np.nextafter(widths, 0.0)[..., np.newaxis])
-        first = self.knots[..., :-1, np.newaxis]
-        within = np.broadcast_shapes(first.shape, inside.shape)
+        in_pieces = self.knots[..., :-1, np.newaxis] + inside  # a row for each piece
         groups = [
             self.probe_times(64 if count < _MAX_PROBES // 64 else 8),
-            (first + inside).reshape(*within[:-2], within[-2] * within[-1]),
+            in_pieces.reshape(*in_pieces.shape[:-2], in_pieces.shape[-2] * in_pieces.shape[-1]),
             self.knots[..., -1:] + after[..., 0, :],
         ]
         shape = np.broadcast_shapes(*(group.shape[:-1] for group in groups))

@@ -467,22 +467,14 @@ def equivalent_triangle(wind: History) -> History:
     errors.instance("wind", wind, History, "such as OneMinusCosineGust")
     if np.any(wind.end == np.inf):
         raise errors.InputError("wind must end: the last piece of its history must be zero")
-    peak, area = np.asarray(wind.peak), wind.laplace(0.0)
-    _check_area(area, peak, _AREA_ROUNDING * wind.laplace_magnitude(0.0))
-    triangle = TriangularWind(peak=peak, duration=2.0 * area / peak)
-    return triangle.shift(wind.onset) if np.any(wind.onset != 0.0) else triangle
-
-
-def _check_area(area: FloatArray, peak: FloatArray, minimum: FloatArray) -> None:
-    """Raise `InputError` for the area [rad s] of a wind without the sign of its peak [rad].
-
-    `minimum`: size [rad s] up to which an area counts as zero.
-    """
-    area, peak, minimum = np.broadcast_arrays(area, peak, minimum)
-    invalid = np.sign(peak) * area <= minimum
+    peak, area = np.broadcast_arrays(wind.peak, wind.laplace(0.0))
+    # an area within rounding of zero has no sign
+    invalid = np.sign(peak) * area <= _AREA_ROUNDING * wind.laplace_magnitude(0.0)
     if np.any(invalid):
         index = int(np.argmax(invalid))
         raise errors.InputError(
             f"wind must have a time integral with the sign of its peak; got {area.flat[index]:.6g}"
             f" rad s with a peak of {peak.flat[index]:.6g} rad"
         )
+    triangle = TriangularWind(peak=peak, duration=2.0 * area / peak)
+    return triangle.shift(wind.onset) if np.any(wind.onset != 0.0) else triangle

@@ -427,8 +427,9 @@ class Turbulence(Record):
         noise = np.array(white).reshape(runs, when.size, count)
         pairs = np.stack([distances, lengths[1:]])  # steps alike in both are computed once
         _, first_of, which = np.unique(pairs, axis=1, return_index=True, return_inverse=True)
-        transitions, noises = steps(A[1:][first_of], b @ b.T, distances[first_of])
-        roots = _square_root(noises)
+        # e^(A h), and the covariance of the noise, of each different step
+        transitions, covariances = steps(A[1:][first_of], b @ b.T, distances[first_of])
+        roots = _square_root(covariances)
         state = noise[:, 0] @ _square_root(stationary_covariance(A[0], b @ b.T)).T
         wind = np.empty((runs, when.size))
         wind[:, 0] = state @ c[0]

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, naming
 from tvclin.base.sheet import Heading, Headings, read_sheet
 from tvclin.base.tables import FileTable
@@ -64,7 +63,7 @@ def read_turbulence(
     """
     missing = "names such as altitude_m,intensity_m_per_s,length_m"
     sheet = read_sheet(path, "a table of turbulence over altitude", _fit, missing)
-    columns: dict[str, FloatArray] = {}
+    columns: dict[str, Any] = {}
     for heading in sheet.headings:
         name, factor = _column(heading)
         if name is None:
@@ -76,7 +75,7 @@ def read_turbulence(
             raise sheet.error(f"the column {heading.text} has no known unit; give it in {units}")
         columns[name] = factor * sheet.complete_numbers(heading)
     with naming(sheet.text.source):
-        return _turbulence(columns, spectrum, component)
+        return Turbulence(**columns, spectrum=spectrum, component=component)
 
 
 def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> Turbulence:
@@ -87,23 +86,11 @@ def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> 
     levels: list[Mapping[str, float]] = [LEVEL_TABLE.read(row) for row in rows]
     if any(level.keys() != levels[0].keys() for level in levels):
         raise InputError("[[turbulence.level]] must have a length in each level, or in none")
-    columns = {name: np.array([level[name] for level in levels]) for name in levels[0]}
-    return _turbulence(columns, spectrum, component)
-
-
-def _turbulence(columns: Mapping[str, FloatArray], spectrum: str, component: str) -> Turbulence:
-    """Return the turbulence of columns of a table over altitude.
-
-    `columns`: altitude [m], intensity [m/s] and perhaps length [m], ``(n,)``. `spectrum`: "dryden"
-    or "von-karman". `component`: "transverse" or "along".
-    """
-    return Turbulence(
-        intensity=columns["intensity"],
-        length=columns.get("length"),
-        spectrum=spectrum,
-        component=component,
-        altitude=columns["altitude"],
-    )
+    # altitude [m], intensity [m/s] and perhaps length [m], an array each
+    columns: dict[str, Any] = {
+        name: np.array([level[name] for level in levels]) for name in levels[0]
+    }
+    return Turbulence(**columns, spectrum=spectrum, component=component)
 
 
 def _fit(headings: Headings) -> float:

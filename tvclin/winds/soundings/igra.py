@@ -333,6 +333,7 @@ def _rows(lines: list[bytes], numbers: IntArray, counts: IntArray) -> Rows:
     Lines have fixed columns, speeds in tenths of m/s and directions in degrees. `numbers`: line
     numbers in the file, one for each line. `counts`: number of lines of each sounding.
     """
+    # of no lines the array would have no width
     characters = np.array(lines or [b""], dtype=f"S{_MAX_LINE_WIDTH}")[: len(lines)]
     letters = characters.view(np.uint8).reshape(len(lines), _MAX_LINE_WIDTH)
     valid = np.all(letters[:, _BLANK_COLUMNS] == ord(" "), axis=1)

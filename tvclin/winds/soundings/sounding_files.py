@@ -115,7 +115,8 @@ def soundings_in(
 
     `format`: name of its format, or None to recognise it. `units`: units of a table that names
     none, as "ft,mph", or None. `above_ground`: elevation of the site [m], for a table of heights
-    above the ground, or None. `InputError` for an unknown format, and for both with another format.
+    above the ground, or None. `InputError` for an unknown format, and for units or an elevation
+    with a format other than a table.
     """
     name = recognised_format(text) if format is None else errors.one_of("format", format, READERS)
     if name in _TABLES:
@@ -398,7 +399,7 @@ def _entry_time(text: Text, entry: SoundingEntry, file: Path, listed_time: Any) 
         if match:
             return np.datetime64(f"{match[1]}T{match[2]}", "m")
     date = _DATE_IN_NAME.search(file.stem)
-    try:
+    try:  # noon where the name has no hour
         return np.datetime64("{}-{}-{}T{}".format(*date.groups("12")), "m") if date else None
     except ValueError:
         return None

@@ -250,9 +250,9 @@ def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None)
         )
     if ground is not None and any(column.sea or column.geopotential for column in heights):
         raise sheet.error(f"there are heights above the sea ({names}): leave above_ground out")
-    # heights without a reference are above the ground only where no other column is
-    above_ground = [column for column in heights if column.ground]
-    dropped = above_ground if ground is None else above_sea if above_ground else []
+    dropped = above_ground = [column for column in heights if column.ground]
+    if ground is not None:  # heights without a reference count where none is above the ground
+        dropped = above_sea if above_ground else []
     return [column for column in candidates if column not in dropped]
 
 
