@@ -59,7 +59,10 @@ class _Late(Mapping[str, Any]):
         return len(NAMES)
 
     def __getitem__(self, name: str) -> Any:
-        """Return the command with a name, whose file is then loaded."""
+        """Return the command with a name, whose file is then loaded.
+
+        It has the options of its groups and --set; overflow raises in it if it computes anything.
+        """
         from tvclin.cli.options import grouped
         from tvclin.cli.settings import settable
 
@@ -113,7 +116,8 @@ def _listed(name: str) -> Any:
     command does nothing.
     """
 
-    def command() -> None: ...
+    def command() -> None:
+        """Do nothing; the help of the command that it stands for replaces this text."""
 
     text = get_data("tvclin.cli", f"{_FILE_OF_COMMAND.get(name, name)}.py") or b""
     pattern = rf'(?s)^(?:def {name}\(.*?"""|{name}_ = .*?help=")(.+?)"'
@@ -144,6 +148,7 @@ class Commands(TyperGroup):
     """The group of commands, which turns bad input into one sentence."""
 
     def __init__(self, **options: Any) -> None:
+        """Make the group, whose commands are loaded when they are looked up."""
         super().__init__(**options)
         self.commands = _Late()  # type: ignore[assignment]  # nothing is ever added to it
 
@@ -160,7 +165,7 @@ class Commands(TyperGroup):
         from tvclin.cli.settings import joined
 
         name, _, rest = super().resolve_command(ctx, args)
-        return name, name and self.commands[name], joined(rest)
+        return name, name and self.commands[name], joined(rest)  # None: no command was named
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the command line; this prints help and version."""
@@ -196,7 +201,7 @@ def _strict(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def run(*arguments: Any, **options: Any) -> None:
-        """Run the command."""
+        """Run the command; overflow, division by zero and invalid arithmetic raise."""
         import numpy as np
 
         from tvclin.kernels.choice import in_a_command

@@ -72,11 +72,6 @@ def is_scheduled(case: Case, source: str) -> bool:
     )
 
 
-def _has_flown_autopilot(case: StudyPlan, source: str) -> bool:
-    """Return whether a case of the file `source` has an autopilot over the flight, and a limit."""
-    return case.nozzle.limit is not None and is_scheduled(case, source)
-
-
 def _autopilot_flights(
     case: StudyPlan, source: str, sizing: Sizing, more: bool
 ) -> FlightsOfLoop | None:
@@ -86,7 +81,7 @@ def _autopilot_flights(
     `sizing`: required deflections by flight time, for comparison. `more`: whether the autopilot
     requirement, which takes seconds for each flight time, is computed.
     """
-    if not _has_flown_autopilot(case, source):
+    if case.nozzle.limit is None or not is_scheduled(case, source):
         return None
     with bar("flights of the autopilot") as progress:
         return FlightLoop.of(case).use(sizing, requirements=more, progress=progress)
@@ -251,7 +246,7 @@ class _Answer:
         return plots.sizing_chart(self.sizing, self.total.limit, self.source)
 
     def document(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return sizing, budget, controllability, flights, notes and verdict for JSON."""
         sizing, total, ratio, flights = self.sizing, self.total, self.ratio, self.flights
         used: dict[str, Any] = {}
         if flights is not None:
@@ -280,21 +275,21 @@ class _Answer:
         first, *further = tables.time_tables(sizing, self.counted)
         if flights is not None and flights.use is not None:
             first, further = flights.use.table(), [first, *further]
-        random = [] if self.turbulence is None else self.turbulence.tables()
+        in_turbulence = [] if self.turbulence is None else self.turbulence.tables()
         print_answer(
             f"{self.verdict}; {_judged_planes(sizing)}",
             replace(first, caption=f"{title}\n{first.caption}"),
-            *random[:1],
+            *in_turbulence[:1],
             notes=(*sizing.notes, *self.notes, *(ratio.notes if ratio and more else ())),
             more=more,
-            details=lambda: self._print_details(further, random[1:]),
+            details=lambda: self._print_details(further, in_turbulence[1:]),
         )
 
-    def _print_details(self, further: list[Table], random: list[Table]) -> None:
+    def _print_details(self, further: list[Table], in_turbulence: list[Table]) -> None:
         """Print the tables by time and wind, of the budget, and of turbulence.
 
-        `further`: tables by flight time after the first. `random`: tables of turbulence after the
-        first.
+        `further`: tables by flight time after the first. `in_turbulence`: tables of turbulence
+        after the first.
         """
         sizing, counted, ratio = self.sizing, self.counted, self.ratio
         print_tables(*further)
@@ -305,7 +300,7 @@ class _Answer:
         if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
             print_tables(*tables.wind_columns_table(sizing, counted))
         say(f"{tables.legend(sizing)}\n")
-        print_tables(total_table(self.total, counted.label), *random)
+        print_tables(total_table(self.total, counted.label), *in_turbulence)
         if ratio is not None:
             print_tables(ratio.table)
             say_lines([ratio.verdict])
@@ -313,7 +308,7 @@ class _Answer:
 
 def _judged_planes(sizing: Sizing) -> str:
     """Return the planes that a sizing judges, in words, with the option for both."""
-    if sizing.separate:
+    if sizing.separate:  # sizings of each plane alone, beside that of both
         return "both planes judged"
     return f"{sizing.plane} alone judged (--plane {BOTH} judges both)"
 
@@ -323,7 +318,7 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
 
     `request`: the flight, its times and winds, of which the sizing is the result. Options are also
     named that leave out times at which a wind is not known, and one that counts less of a sounding,
-    where parameters change by more than `STEADY` in it.
+    where beta or B changes by more than a tenth in it.
     """
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
@@ -334,7 +329,7 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
         )
     first_times, last_times = sizing.known_times.T  # at which each wind is known [s]
     first_time, last_time = first_times.max(), last_times.min()
-    required = next(iter(sizing.required.values()))
+    required = next(iter(sizing.required.values()))  # by time and wind; NaN where not known
     determined = sizing.times[np.isfinite(required).all(axis=1)]
     if determined.size:  # a gust may make more times unknown than the end of a sounding
         first_time = max(first_time, determined[0] if determined[0] > begin else -np.inf)
@@ -343,6 +338,7 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     options += [f"--to {hundredths(last_time, up=False)}"] if end > last_time else []
     if options:
         yield f"{' '.join(options)} leaves out the flight times at which a wind is not known"
+    # of frozen parameters, whose error varying ones would tell
     doubtful = not sizing.freezing_error and (sizing.change > STEADY).any()
     if request.soundings and request.window is None and doubtful:
         yield (
@@ -377,7 +373,7 @@ def case_over_flight(
     assert request is not None
     check_reading(case)
     if case.sign not in (None, FROZEN):
-        if request.pulse or request.others:
+        if request.pulse or request.others:  # pulses of the case and of its file
             if case.planes == "yaw" and case.heading is None:
                 note_below(uncounted_sign(case.sign))
         elif "study.sign" in keys_set(source):

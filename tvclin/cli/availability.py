@@ -189,7 +189,7 @@ def _print(result: Availability, launch: tuple[Today, ...], source: str, more: b
     days = zip(azimuths, result.fraction(), strict=True)
     shares = [f"towards {azimuth}: {fraction}" for azimuth, fraction in days]
     verdicts = [
-        f"today towards {azimuth}: {_said(day, result)}"
+        f"today towards {azimuth}: {_verdict_with_times(day, result)}"
         for azimuth, day in zip(azimuths, launch, strict=False)
     ]
 
@@ -219,15 +219,16 @@ def _print_details(result: Availability, source: str) -> None:
     )
 
 
-def _said(balloon: Today, result: Availability) -> str:
+def _verdict_with_times(balloon: Today, result: Availability) -> str:
     """Return the verdict on a sounding in words, with the judged times if these are a part.
 
-    `result`: availability with the flight, whose span is the whole. The judged times [s] are first
-    and last; a sounding that is not known has a reason in their place.
+    `result`: availability with the flight, whose span is the whole. A sounding that is not known
+    has a reason in place of judged times.
     """
-    cut = balloon.judged != result.judge.flight.span and not balloon.why
-    judged_times = "; from {:.4g} to {:.4g} s, the rest is not judged".format(*balloon.judged) * cut
-    return f"{_verdict(balloon)}{judged_times}"
+    if balloon.why or balloon.judged == result.judge.flight.span:
+        return _verdict(balloon)
+    first, last = balloon.judged  # [s]
+    return f"{_verdict(balloon)}; from {first:.4g} to {last:.4g} s, the rest is not judged"
 
 
 def _verdict(balloon: Today) -> str:

@@ -96,7 +96,7 @@ def _print_over_duration(
 ) -> None:
     """Print boundary limits y_BR over duration tau beta, `x` ``(n,)``, and dead band K, ``(k,)``.
 
-    `subject`: name, plant, plane and wind shape, see `_subject`. `shape`: shape of --wind, None
+    `subject`: name of the vehicle, plant, plane and wind shape. `shape`: shape of --wind, None
     without it. `more`: whether all notes are printed.
     """
     from tvclin import plots
@@ -106,6 +106,7 @@ def _print_over_duration(
     pulse: Any = SHAPES[wind]
     # of one unit of peak: the boundary limit does not depend on it
     pulses = pulse(peak=1.0, duration=x[:, None] / plant.coefficients.pole)
+    # with the status of limits above which some limits do not survive
     limits = with_larger_requirements(plant, pulses, K, boundary_limit(plant, pulses, K))
     coefficients = plant.coefficients if name else None
     axis = "tau*beta" if coefficients is None else f"tau*{coefficients.pole_symbol}"

@@ -328,7 +328,7 @@ def design(
         results = tuple(_results(case, loop, frequency))
         in_box = worst_in_box(box or [], case, loop)
     wind = wind_words(winds.name(case), case)
-    result = _Answer(case, wind, results, frequency, sought, in_box)
+    result = _Answer(case, wind, results, frequency=frequency, sought=sought, in_box=in_box)
     with waiting("drawing"):
         draw(shown.plot, result.chart)
     answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.satisfied)

@@ -234,7 +234,7 @@ def _in_soundings(campaign: Campaign, winds: WindOptions, source: str) -> Campai
             )
             assert isinstance(wind, MeasuredWind)  # of one plane
             soundings.append(wind)
-    size = SIZE_TABLE.read(SIZE_TABLE.one(source_tables(source)))
+    size = SIZE_TABLE.read(SIZE_TABLE.one(source_tables(source)))  # the table [size] of the file
     plan = replace(plan, start=size.get("start"), stop=size.get("stop"))
     return replace(campaign, wind=SoundingEnsemble.of(soundings), along=plan)
 
@@ -277,7 +277,7 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
 
 
 def _print(summary: CampaignSummary, more: bool) -> None:
-    """Print the verdict, the answer with its drivers, and with --more the convergence."""
+    """Print the verdict, what it depends on most, and with `more` the convergence."""
     table, convergence = summary.tables()
     dispersions = summary.results.campaign.dispersions
     assumed = dispersions in (DEFAULT_DISPERSIONS, _OF_THE_VEHICLE)

@@ -42,14 +42,14 @@ from tvclin.winds.wind_angles import linear_notes
 class Compared:
     """A flight, compared with the linear theory or the rigid vehicle; deflections in rad.
 
-    `case`: the `Flying` with the engine. `reference`: name of the comparison, "linear" or "rigid".
-    `boundary`: smallest limits that survive, of flight and comparison; None where neither was
-    sought, the first None where that was not. `verdict` stands above the table, `title` and
-    `columns` in it, `flight_notes` below it, and `heads`, the setting, among the details; `facts`
-    are for JSON alone.
+    `flying`: plan, wind, law and engine, a `Flying`. `reference`: name of the comparison, "linear"
+    or "rigid". `boundary`: smallest limits that survive, of flight and comparison; None where
+    neither was sought, the first None where that was not. `verdict` stands above the table, `title`
+    and `columns` in it, `flight_notes` below it, and `heads`, the setting, among the details;
+    `facts` are for JSON alone.
     """
 
-    case: Any
+    flying: Any
     flight: FlightComparison
     limit: float
     reference: str
@@ -82,7 +82,7 @@ class Compared:
         """Write the CSV file and the figure of the flight."""
         from tvclin.plots import flight_chart, flight_curves
 
-        said = f"{self.case.title}, limit {np.degrees(self.limit):.3f} deg, {self.case.engine}"
+        said = f"{self.flying.title}, limit {np.degrees(self.limit):.3f} deg, {self.flying.engine}"
         shown.write(
             lambda: flight_curves(
                 self.flight, self.limit, "fly", said.replace("\n", ", "), self.reference
@@ -96,17 +96,17 @@ class Compared:
 
     @cached_property
     def required(self) -> CaseRequirement | None:
-        """The required deflection of the study of the case."""
-        return study_requirement(self.case.case, chosen(self.case.dead_band, 1.0))
+        """The required deflection of a study of the plan that is flown."""
+        return study_requirement(self.flying.plan, chosen(self.flying.dead_band, 1.0))
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes on the wind angle, on the flight, and on the required deflection of the study."""
         required = () if self.required is None else (self.required.see_study,)
-        angle = linear_notes(float(self.case.wind.peak))
-        return (*angle, *self.flight_notes, *self._ended(), *required)
+        angle = linear_notes(float(self.flying.wind.peak))
+        return (*angle, *self.flight_notes, *self._range_notes(), *required)
 
-    def _ended(self) -> Iterator[str]:
+    def _range_notes(self) -> Iterator[str]:
         """Yield a note for each flight shown that leaves the range of its model in the wind.
 
         That is a largest attitude [rad], one for the flight and one for its comparison.
@@ -123,7 +123,7 @@ class Compared:
         """Return the peak of each quantity over the wind, of flight and comparison [deg]."""
         return {name: np.degrees(self.flight.peaks(name)).tolist() for name in PEAKS}
 
-    def _ends(self) -> list[float | None] | None:
+    def _boundaries_deg(self) -> list[float | None] | None:
         """Return the boundaries of flight and comparison [deg]; None without boundaries."""
         if self.boundary is None:
             return None
@@ -133,32 +133,32 @@ class Compared:
 
     def document(self) -> dict[str, Any]:
         """Return the flight and its comparison with the boundary, for JSON."""
-        case, ends = self.case, self._ends()
+        flying, boundaries = self.flying, self._boundaries_deg()
         return {
-            "vehicle": case.case.vehicle.name,
-            "engine": case.engine,
-            "plane": case.case.plane,
-            "law": case.law,
-            "dead_band": case.dead_band,
-            "wind": {"shape": case.shape, **case.wind.as_dict()},
+            "vehicle": flying.plan.vehicle.name,
+            "engine": flying.engine,
+            "plane": flying.plan.plane,
+            "law": flying.law,
+            "dead_band": flying.dead_band,
+            "wind": {"shape": flying.shape, **flying.wind.as_dict()},
             "limit_deg": np.degrees(self.limit),
             "survived": self.flight.survived,
             "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
             "ended_in_the_wind": self.both(self.flight.ended),
-            "boundary_deg": None if ends is None else self.both(ends),
-            "pressure": self.case.pressure,
+            "boundary_deg": None if boundaries is None else self.both(boundaries),
+            "pressure": self.flying.pressure,
             "required_deflection_deg": self.required
             and float(np.degrees(self.required.known_deflection)),
-            "notes": linear_notes(float(self.case.wind.peak)),
+            "notes": linear_notes(float(self.flying.wind.peak)),
             **self.facts,
         }
 
 
 def flight_title(flying: "Flying") -> str:
     """Return the title of a flight to be flown: its vehicle, if named, below it wind and law."""
-    case, wind = flying.case, wind_words(flying.shape, flying.case)
-    line = f"{wind}, {case.plane}, law {flying.law}"
-    return f"{case.vehicle.name}\n{line}" if case.vehicle.name else line
+    plan, wind = flying.plan, wind_words(flying.shape, flying.plan)
+    line = f"{wind}, {plan.plane}, law {flying.law}"
+    return f"{plan.vehicle.name}\n{line}" if plan.vehicle.name else line
 
 
 _BOUNDARY_TOLERANCE_OVER_TRIM = 5e-4
@@ -181,9 +181,9 @@ _MIN_PEAK_RAD = 2.5e-7
 
 @dataclass(frozen=True, eq=False)
 class Flying:
-    """A case whose wind is one history, the name of that wind, and the name of the law."""
+    """A plan whose wind is one history, the name of that wind, and the name of the law."""
 
-    case: StudyPlan
+    plan: StudyPlan
     shape: str
     law: str
     dead_band: float | None
@@ -193,13 +193,13 @@ class Flying:
     @property
     def wind(self) -> History:
         """The wind [rad]."""
-        return self.case.history
+        return self.plan.history
 
     @property
     def unknown_wind(self) -> str:
         """Reason why survival is not known in the wind: gaps of a sounding; often empty."""
-        wind = self.case.wind
-        gaps = wind.gaps(self.case.vehicle) if isinstance(wind, SoundingWind) else ""
+        wind = self.plan.wind
+        gaps = wind.gaps(self.plan.vehicle) if isinstance(wind, SoundingWind) else ""
         return f"the wind is not known {gaps}" if gaps else ""
 
     @property
@@ -220,8 +220,8 @@ class Flying:
         if self.law == REPORT:
             return ReportControl(**parameters)
         if self.law == AUTOPILOT:
-            parameters = {AUTOPILOT: specified_autopilot(self.case, self.wind, self.case.held_to)}
-        parameters["rate_limit"] = self.case.hardware["rate_limit"]
+            parameters = {AUTOPILOT: specified_autopilot(self.plan, self.wind, self.plan.held_to)}
+        parameters["rate_limit"] = self.plan.hardware["rate_limit"]
         return design_law(self.law, plant, float(self.wind.peak), **parameters)
 
 
@@ -244,7 +244,7 @@ class FlightCase(Flying):
     @property
     def vehicle(self) -> Vehicle:
         """The vehicle."""
-        return complete_vehicle(self.case.vehicle, "a flight")
+        return complete_vehicle(self.plan.vehicle, "a flight")
 
     @property
     def title(self) -> str:
@@ -282,7 +282,7 @@ class FlightCase(Flying):
     @property
     def options(self) -> dict[str, Any]:
         """Arguments of every flight of the case."""
-        return {"engine": self.engine, "plane": self.case.plane, "condition": self.condition}
+        return {"engine": self.engine, "plane": self.plan.plane, "condition": self.condition}
 
 
 def flight_case(
@@ -294,16 +294,16 @@ def flight_case(
 ) -> FlightCase:
     """Return the case of a nonlinear flight; its default limit is 1.1 times the boundary.
 
-    `flying`: case, wind and law. `engine`: name of the engine. `condition`: altitude and specific
+    `flying`: plan, wind and law. `engine`: name of the engine. `condition`: altitude and specific
     impulse for parameters that vary in flight, None for frozen ones. `length`: its length [s].
     `direction`: of the wind, of parameters that vary.
     """
-    flying = replace(flying, case=replace(flying.case, model=""))  # empty: the default model
-    plant, wind = flying.case.plant.rigid, flying.wind
+    flying = replace(flying, plan=replace(flying.plan, model=""))  # empty: the default model
+    plant, wind = flying.plan.plant.rigid, flying.wind
     _check_flight(plant, wind, length)
     control = flying.designed(plant)
     boundary = linear_boundary(plant, control, wind)
-    limit = flying.case.nozzle.limit or LIMIT_OVER_BOUNDARY * boundary
+    limit = flying.plan.nozzle.limit or LIMIT_OVER_BOUNDARY * boundary
     if np.isinf(limit):
         raise InputError("no limit is sufficient with this dead band; give --limit-deg")
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
@@ -361,9 +361,9 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     flight = compare_flight(case.vehicle, case.control, case.wind, times, **arguments)
     flight = flight.in_unknown_wind() if case.unknown_wind else flight
     ratio_text = f"{limit / case.boundary:.4g} times the linear boundary"
-    rate = "" if case.case.nozzle.rate_limit is None else " and no rate limit"
+    rate = "" if case.plan.nozzle.rate_limit is None else " and no rate limit"
     return Compared(
-        case=case,
+        flying=case,
         flight=flight,
         limit=limit,
         reference="linear",

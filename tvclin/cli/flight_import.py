@@ -215,14 +215,10 @@ def _write(schedule: FlightSchedule, file: Path, output: Path, more: bool) -> No
         raise InputError(f"--output must not be the file that is read; got {called(output)}")
     schedule.to_csv(output)
     written = f"wrote {called(output)}: {schedule.times.size} times. Then: tvclin ascent {output}"
-    columns = [note for note in schedule.notes if _describes_column(note)]
+    # a note "weight: ..." says where a column comes from, and no more
+    columns = [note for note in schedule.notes if note.partition(":")[0].isidentifier()]
     notes = [*(note for note in schedule.notes[::-1] if note not in columns), *columns]
     print_answer(written, _table(schedule), notes=notes, more=more)
-
-
-def _describes_column(note: str) -> bool:
-    """Return whether a note says where a column comes from, and no more: "weight: ..."."""
-    return note.partition(":")[0].isidentifier()
 
 
 def _table(schedule: FlightSchedule) -> Table:

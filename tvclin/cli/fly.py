@@ -128,13 +128,16 @@ class WhatFlies:
         if engine != LINEAR:
             flies.timing.only_with("--engine linear")
             model.only_with("--engine linear", "model")
-        aside = ["fly without --law autopilot"] * (law != AUTOPILOT)
-        compared = law == AUTOPILOT and engine == LINEAR
-        if compared:
-            aside.append("fly --law autopilot")
+        questions = ["fly"]
+        if law != AUTOPILOT:
+            questions.append("fly without --law autopilot")
+        if law == AUTOPILOT and engine == LINEAR:
+            questions.append("fly --law autopilot")
         elif not (suffix and case.sign in SIGNS):  # which a varying engine flies
-            aside.append("fly without the autopilot requirement")
-        note_omissions(case, "fly", *aside, *["fly --engine planar"] * (engine != LINEAR))
+            questions.append("fly without the autopilot requirement")
+        if engine != LINEAR:
+            questions.append("fly --engine planar")
+        note_omissions(case, *questions)
         band = chosen(self.dead_band, case.dead_band if law == REPORT else None)
         return engine, bool(suffix), law, band
 
@@ -192,7 +195,7 @@ def fly(
     note_single_time(vehicle, time)
     with faults.kept():
         case = single.over(case, vehicle)
-    engine, varying, *law = what.on(vehicle, case, flies, motion)
+    engine, varying, *law_and_dead_band = what.on(vehicle, case, flies, motion)
     name, cases = single.name(case), {"": case}
     with faults.kept():
         cases = winds_in_flight(case) if varying else cases
@@ -200,7 +203,7 @@ def fly(
         condition = load_flight_condition(vehicle_source(vehicle)) if varying else None
     faults.tell()
     with waiting("flying"):
-        flown = {direction: Flying(case, name, *law) for direction, case in cases.items()}
+        flown = {k: Flying(case, name, *law_and_dead_band) for k, case in cases.items()}
         answer = _flown(flown, engine, condition, more)
     if not answer.show(shown, more):
         raise typer.Exit(1)
@@ -216,7 +219,7 @@ def _flown(
     frozen ones. `more`: whether the boundary is flown too.
     """
     flying = next(iter(flights.values()))
-    wind = flying.case.history
+    wind = flying.plan.history
     length = _DURATIONS_SHOWN * float(wind.end - wind.onset)
     if engine != LINEAR:
         cases = {
@@ -262,13 +265,20 @@ def fly_laws(
         hardware["sample_rate"] = case.laws.sample_rate
         note_omissions(case, "laws with a rate in [laws]")
     peak, duration, histories = _winds(winds, case)
-    chosen = _laws(case, plant.rigid, peak)
+    laws = _laws(case, plant.rigid, peak)
     cuts = 0 if case.laws is None else case.laws.cuts
     with bar("flights") as progress:
-        trials = law_trials(plant, chosen, histories, cuts=cuts, progress=progress, **hardware)
-    draw(shown.plot, lambda: plots.laws_chart(plant, chosen, peak, **hardware))
-    reference_bounds = bounds(plant.rigid, histories)
-    result = _Answer(case, plant, peak, duration, hardware["sample_rate"], trials, reference_bounds)
+        trials = law_trials(plant, laws, histories, cuts=cuts, progress=progress, **hardware)
+    draw(shown.plot, lambda: plots.laws_chart(plant, laws, peak, **hardware))
+    result = _Answer(
+        case,
+        plant,
+        peak,
+        duration,
+        rate=hardware["sample_rate"],
+        trials=trials,
+        bounds=bounds(plant.rigid, histories),
+    )
     answer(shown.as_json, lambda: result.document(cuts), lambda: result.print(vehicle, more))
 
 

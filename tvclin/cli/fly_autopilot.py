@@ -62,7 +62,7 @@ LINEAR = "linear"
 class LinearCase(Flying):
     """A flight by the linear engine, in steps.
 
-    `case`, `wind`, `law`: plan, its wind and the name of the law; see `Flying`.
+    `plan`, `wind`, `law`: plan, its wind and the name of the law.
     """
 
     engine = LINEAR
@@ -70,12 +70,12 @@ class LinearCase(Flying):
     @property
     def plant(self) -> AnyPlant:
         """The plant that is flown."""
-        return self.case.plant
+        return self.plan.plant
 
     @property
-    def bends(self) -> bool:
+    def is_flexible(self) -> bool:
         """Whether the vehicle is flexible."""
-        return self.case.vehicle.structure is not None
+        return self.plan.vehicle.structure is not None
 
     @cached_property
     def control(self) -> Law:
@@ -87,14 +87,14 @@ class LinearCase(Flying):
             )
         chosen = self.designed(self.plant.rigid)
         assert isinstance(chosen, Law)
-        return with_filters(chosen, self.case.autopilot_design)
+        return with_filters(chosen, self.plan.autopilot_design)
 
     def boundary(self, plant: AnyPlant) -> ClosedLoopBoundary:
         """Return the boundary of the law on a plant: the smallest limit that survives the wind.
 
         It is sought up to `MAX_LIMIT_OVER_TRIM` times trim.
         """
-        hardware = self.case.hardware
+        hardware = self.plan.hardware
         return closed_loop_boundary(
             plant, self.control, self.wind, highest=MAX_LIMIT_OVER_TRIM, **hardware
         )
@@ -102,9 +102,9 @@ class LinearCase(Flying):
     @property
     def title(self) -> str:
         """Lines on the vehicle, the wind, the equations and the law."""
-        structure = self.case.vehicle.structure
-        servo, delay = self.case.nozzle.actuator, 1000.0 * self.case.autopilot_design.delay
-        rate = self.case.hardware["sample_rate"]
+        structure = self.plan.vehicle.structure
+        servo, delay = self.plan.nozzle.actuator, 1000.0 * self.plan.autopilot_design.delay
+        rate = self.plan.hardware["sample_rate"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
         said = [
             flight_title(self),
@@ -119,7 +119,7 @@ def limited_law(case: StudyPlan, name: str) -> Law:
     """Return the law of a case with the name of --law; `InputError` without a deflection limit."""
     if case.nozzle.limit is None:
         raise InputError("--law needs --limit-deg, the deflection limit of the nozzle")
-    return LinearCase(case, "", name, None).control
+    return LinearCase(case, shape="", law=name, dead_band=None).control
 
 
 def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
@@ -130,9 +130,9 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
     `InputError` without a finite boundary and without a limit.
     """
     boundaries = None
-    limit = case.case.nozzle.limit
+    limit = case.plan.nozzle.limit
     if limit is None or boundary:
-        plants = (case.plant, case.plant.rigid) if case.bends else (case.plant,)
+        plants = (case.plant, case.plant.rigid) if case.is_flexible else (case.plant,)
         boundaries = tuple(case.boundary(plant) for plant in plants)
     if limit is None:
         assert boundaries is not None
@@ -140,7 +140,7 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
         if not np.isfinite(limit):
             raise InputError(f"{boundaries[0].status}: give --limit-deg, or another law")
     flight = fly_sampled(
-        case.plant, case.control, case.wind, times, deflection_limit=limit, **case.case.hardware
+        case.plant, case.control, case.wind, times, deflection_limit=limit, **case.plan.hardware
     )
     if case.unknown_wind:
         flight = flight.in_unknown_wind()
@@ -159,30 +159,32 @@ def _compared(
     is flexible, of the rigid one; so are the two statuses and peak rates of the flight.
     """
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
-    rate = case.case.nozzle.rate_limit
-    ending = f"; rigid: {_word(flight.status[1])}" * case.bends + case.unknown_suffix
+    flown_status, rigid_status = flight.status
+    rate = case.plan.nozzle.rate_limit
+    ending = f"; rigid: {_word(rigid_status)}" if case.is_flexible else ""
     size = f"{np.degrees(limit):.3f} deg"
     ends = [abs(boundary.deflection) for boundary in boundaries or ()]
     turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
-        case=case,
+        flying=case,
         flight=flight,
         limit=limit,
         reference="rigid",
-        columns=("flexible", "rigid") if case.bends else ("flown",),
+        columns=("flexible", "rigid") if case.is_flexible else ("flown",),
         boundary=(ends[0], ends[-1]) if ends else None,
         heads=[case.title],
-        verdict=f"{_word(flight.status[0])} with {size} {NOMINAL}, {FROZEN_VEHICLE}{ending}",
+        verdict=f"{_word(flown_status)} with {size} {NOMINAL}, {FROZEN_VEHICLE}{ending}"
+        f"{case.unknown_suffix}",
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
         title=f"{flight_title(case)}; {case.plant.model}, limit {size}{turning}".replace(
             "\n", ": "
         ),
         facts={
-            "flexible": case.bends,
+            "flexible": case.is_flexible,
             "linear_model": case.plant.model,
-            "sample_rate_Hz": case.case.hardware["sample_rate"],
+            "sample_rate_Hz": case.plan.hardware["sample_rate"],
             "rate_limit_deg_per_s": None if rate is None else float(np.degrees(rate)),
-            "delay_s": case.case.autopilot_design.delay,
+            "delay_s": case.plan.autopilot_design.delay,
             "status": dict(zip(labels, flight.status, strict=True)),
             "peak_deflection_rate_deg_s": dict(zip(labels, rates, strict=True)),
         },
@@ -199,7 +201,8 @@ def _flight_notes(
     """
     if "rings" in flight.status:
         yield RINGS_MEANS
-    for name, boundary in zip(("flexible", "rigid")[not case.bends :], boundaries, strict=False):
+    names = ("flexible", "rigid") if case.is_flexible else ("rigid",)
+    for name, boundary in zip(names, boundaries, strict=False):
         if boundary.status != "ok":
             yield f"boundary, {name}: {boundary.status}"
 
@@ -238,12 +241,11 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
     `linear`: case, wind and law. `more`: whether boundaries are sought for a given limit too.
     `times`: times of the flight [s], ``(n,)``.
     """
-    case = linear.case
+    case = linear.plan
     autopilot = specified_autopilot(case, case.history, case.held_to)
     compared = compare_with_trim(case.plant, autopilot, case.history)
-    single_plane_case = replace(
-        case, nozzle=replace(case.nozzle, limit_shape=None)
-    )  # in this plane
+    # without a limit shape the requirement is that of this plane alone
+    single_plane_case = replace(case, nozzle=replace(case.nozzle, limit_shape=None))
     requirement, reason = None, "the loop is not stable"
     if compared.margins.stable:
         try:
@@ -262,7 +264,7 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
         linear=linear,
         compared=compared,
         worst=_worst(compared, case.wind_in_plane),
-        need=study_requirement(case),
+        required=study_requirement(case),
         requirement=requirement,
         reason=reason,
         flight=flight,
@@ -279,7 +281,7 @@ class AutopilotFlight:
     linear: LinearCase
     compared: TrimComparison
     worst: WorstDuration | None
-    need: CaseRequirement | None
+    required: CaseRequirement | None
     requirement: AutopilotRequirement | None
     reason: str
     flight: Compared | None
@@ -287,7 +289,7 @@ class AutopilotFlight:
     @property
     def case(self) -> StudyPlan:
         """The case."""
-        return self.linear.case
+        return self.linear.plan
 
     @property
     def limit(self) -> float | None:
@@ -361,7 +363,7 @@ class AutopilotFlight:
             "law": self.linear.law,
             "limit_deg": None,
             "survived": None,
-            "required_deflection_deg": self.need and degrees(self.need.known_deflection),
+            "required_deflection_deg": self.required and degrees(self.required.known_deflection),
         }
         return {
             **(flight if self.flight is None else self.flight.document()),
@@ -380,6 +382,7 @@ class AutopilotFlight:
         boundaries by dead band K, and the worst duration of the wind.
         """
         compared, (force, across) = self.compared, self.peak_force_and_lateral_speed
+        criteria = self.case.held_to
         return {
             "model": self.case.plant.model,
             "autopilot": compared.autopilot,
@@ -392,16 +395,11 @@ class AutopilotFlight:
             "trim_deg": degrees(compared.trim_deflection),
             "boundaries_deg": {f"{K:g}": degrees(y) for K, y in compared.boundaries.items()},
             "worst_duration": self.worst,
-            "criteria": self._criteria_document(),
-        }
-
-    def _criteria_document(self) -> dict[str, Any]:
-        """Return name, limits and verdict of the criteria, for JSON."""
-        criteria = self.case.held_to
-        return {
-            "name": criteria.name,
-            "limits": criteria.limits,
-            "satisfied": self.criteria_satisfied,
+            "criteria": {
+                "name": criteria.name,
+                "limits": criteria.limits,
+                "satisfied": self.criteria_satisfied,
+            },
         }
 
     def show(self, shown: ShownCurves, more: bool) -> bool:
@@ -426,10 +424,10 @@ class AutopilotFlight:
         """
         stable, tables = self.compared.margins.stable, []
         if stable:
-            stop = None if self.requirement is None else self.requirement.nominal_deflection
+            nominal = None if self.requirement is None else self.requirement.nominal_deflection
             model = self.case.plant.model
             title = f"{flight_title(self.linear)}; {model}, {NOMINAL}".replace("\n", ": ")
-            tables.append(self.compared.deflections(title, stop))
+            tables.append(self.compared.deflections(title, nominal))
         if self.flight is not None:
             tables.insert(0 if self.limit is not None else 1, self.flight.table())
         requirement, notes = f"{REQUIREMENT}: {self._requirement}", [*self._judged(), *self.notes]
@@ -446,7 +444,9 @@ class AutopilotFlight:
                     "In a head wind the requirement is that at the pressure of the peak; the"
                     f" autopilot uses {uses}."
                 )
-                print_tables(quantities("In this wind", [*self.compared.motions(), *self._more()]))
+                print_tables(
+                    quantities("In this wind", [*self.compared.motions(), *self._further_rows()])
+                )
             for head in self.flight.heads if self.flight is not None else ():
                 say(head)
             print_autopilot("Autopilot", self.compared.autopilot, self.compared.plant)
@@ -460,8 +460,8 @@ class AutopilotFlight:
         if not self.criteria_satisfied:
             word = satisfaction(self.criteria_satisfied)
             yield f"criteria {self.case.held_to.name}: {word} (tvclin margins says by how much)"
-        if self.need is not None:
-            yield f"{self.need.see_study}: for the ideal trim law"
+        if self.required is not None:
+            yield f"{self.required.see_study}: for the ideal trim law"
 
     @property
     def _verdict(self) -> str:
@@ -495,10 +495,13 @@ class AutopilotFlight:
         nominal = f"{degrees(self.requirement.nominal_deflection):.3f} deg"
         if self.requirement.head is None:
             return f"{nominal} {NOMINAL}"
-        bound, wind = degrees(self.requirement.deflection), self.need and self.need.direction
+        bound, wind = (
+            degrees(self.requirement.deflection),
+            self.required and self.required.direction,
+        )
         return f"{bound:.3f} deg at the peak pressure of a {wind} wind, {nominal} at nominal"
 
-    def _more(self) -> Iterator[Row]:
+    def _further_rows(self) -> Iterator[Row]:
         """Yield the loads, which take a complete vehicle, and the worst duration of the wind."""
         (force, across), worst = self.peak_force_and_lateral_speed, self.worst
         if isfinite(force):
@@ -509,7 +512,7 @@ class AutopilotFlight:
         if isfinite(across):
             yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
         if worst is not None:
-            end = ", an end of the range tried" * worst.at_range_end
+            end = ", an end of the range tried" if worst.at_range_end else ""
             asks = angle("wind.worst", worst.peak_deflection, unit="deg")
             yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)
 

@@ -91,7 +91,7 @@ def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
 
 
 def note_omissions(case: Case, *questions: str, tables: Collection[str] = ()) -> None:
-    """Print on stderr the effects of a case that questions neglect, see `omission_notes`.
+    """Print on stderr the effects of a case that questions neglect, such as bending.
 
     `questions`: names of questions, as "nozzle --over load". `tables`: tables of the case's file.
     """

@@ -97,7 +97,7 @@ class JudgedMargins:
 
     @property
     def satisfied(self) -> bool:
-        """Whether all criteria are satisfied."""
+        """Whether all criteria are satisfied, by band where the plant is flexible."""
         return bool(self.criteria.are_satisfied(self.bands or self.whole))
 
     @property
@@ -330,7 +330,7 @@ class _Answer:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Notes on modes slightly off their frequency, and on gains: see `gain_notes`."""
+        """Notes on modes slightly off their frequency, and on the gains of the autopilot."""
         satisfied, margins = self.margins.satisfied, self.margins.whole
         notes = gain_notes(self.case, self.case.held_to, satisfied, margins.delay_margin)
         return (*self._detuning_notes(), *notes)

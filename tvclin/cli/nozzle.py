@@ -218,10 +218,10 @@ class TradeOffAnswer:
 
     def verdict(self, required: CaseRequirement | None) -> str:
         """Return the verdict on the limit and flights, required deflection and rate, and bound."""
-        front, numbers = self.trade_off, [""]
-        if not front.beyond_linear:
+        trade_off, numbers = self.trade_off, [""]
+        if not trade_off.beyond_linear:
             study = "" if required is None else required.see_study
-            numbers = [study, self.rate, front.bound_text]
+            numbers = [study, self.rate, trade_off.bound_text]
         return "; ".join(filter(None, [self.judged, *self.outcomes, *numbers]))
 
 
@@ -243,27 +243,34 @@ def over_rate(
 
     with waiting("flying"):
         flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
-        autopilot_rate = _autopilot_rate(case) if AUTOPILOT in names else None
+        autopilot_rate = None  # beyond linearity too
+        if AUTOPILOT in names and not beyond_linear(float(case.history.peak)):
+            autopilot_rate = flown_required_rate(case, limited_law(case, AUTOPILOT))
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
-        front = _rate_trade_off(case, limit)
-        stated = None if front.beyond_linear else _at_limit(case, front, required)
-    needed = _flown_limits(case) if every_law else None
-    drawn, (curve, point) = needed or front, front.tables()
+        trade_off = _rate_trade_off(case, limit)
+        stated = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
+    curve, point = trade_off.tables()
+    drawn: RateTradeOff | FlownTradeOff = trade_off
+    first, further = curve, [point]
+    laws = _flown_limits(case) if every_law else None
+    if laws is not None:
+        (flown_table,) = laws.tables()
+        drawn, first, further = laws, flown_table, [curve, point]
     rates = _RequiredRates(stated, autopilot_rate, REQUIRED if limit is None else "limit")
-    flown_tables = () if needed is None else needed.tables()
-    duty_tables = [table for duty in flown for table in duty.tables()]
-    limited, judged = limit is not None or rate_limit is not None, _judged(case, front, required)
+    further += [table for duty in flown for table in duty.tables()]
+    limited = limit is not None or rate_limit is not None
+    judged = _judged(case, trade_off, required)
     return TradeOffAnswer(
-        trade_off=front,
+        trade_off=trade_off,
         judged=judged,
-        document={"trade_off": front, "flown": flown}
+        document={"trade_off": trade_off, "flown": flown}
         | rates.document
-        | ({} if needed is None else {"laws": needed}),
+        | ({} if laws is None else {"laws": laws}),
         outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
         rate=rates.words,
-        tables=_titled(title, *rates.tables, (*flown_tables, curve)[0]),
-        further=(*(flown_tables and (curve,)), point, *duty_tables),
+        tables=_titled(title, *rates.tables, first),
+        further=tuple(further),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
         satisfied=not (limited and judged) and all(bool(duty.verdict.satisfied) for duty in flown),
         curves=lambda: plots.rate_curves(drawn),
@@ -271,33 +278,33 @@ def over_rate(
     )
 
 
-def _judged(case: StudyPlan, front: RateTradeOff, required: CaseRequirement | None) -> str:
+def _judged(case: StudyPlan, trade_off: RateTradeOff, required: CaseRequirement | None) -> str:
     """Return why a limit is not sufficient, in words; empty where it may be.
 
     It is below its lower bound; or with a dead band below 1, which has a forecast of the wind,
-    below the required deflection of the study. `front`: trade-off of the case with its limit.
+    below the required deflection of the study. `trade_off`: trade-off of the case with its limit.
     """
     has_forecast = case.dead_band < 1.0
-    if front.verdict or front.limit is None or required is None or not has_forecast:
-        return front.verdict
-    enough = covers(front.limit, required.required_deflection)
-    return "" if enough else f"{sufficiency(False)}, below the {REQUIRED}"
+    if trade_off.verdict or trade_off.limit is None or required is None or not has_forecast:
+        return trade_off.verdict
+    sufficient = covers(trade_off.limit, required.required_deflection)
+    return "" if sufficient else f"{sufficiency(False)}, below the {REQUIRED}"
 
 
 def _at_limit(
-    case: StudyPlan, front: RateTradeOff, required: CaseRequirement | None
+    case: StudyPlan, trade_off: RateTradeOff, required: CaseRequirement | None
 ) -> RateTradeOff | None:
     """Return the trade-off at the limit, or else at the required deflection, with its rate.
 
-    `front`: trade-off of the case with its limit. None where neither is a deflection above zero.
+    `trade_off`: that of the case with its limit. None where neither is a deflection above zero.
     """
-    if front.limit is not None:
-        return front
+    if trade_off.limit is not None:
+        return trade_off
     deflection = 0.0 if required is None else required.required_deflection
     if not 0.0 < deflection < np.pi / 2:
         return None
     # the required rate does not depend on the rates of the curve: one is enough
-    return _rate_trade_off(case, deflection, front.rates[:1])
+    return _rate_trade_off(case, deflection, trade_off.rates[:1])
 
 
 def _rate_trade_off(
@@ -305,7 +312,7 @@ def _rate_trade_off(
 ) -> RateTradeOff:
     """Return the trade-off of a case with a deflection limit [rad] and its own rate limit.
 
-    `rates`: rate limits [rad/s] of the curve, ``(n,)``; by default as in `rate_trade_off`.
+    `rates`: rate limits [rad/s] of the curve, ``(n,)``; None: 1.1 to 20 times the smallest.
     """
     return rate_trade_off(
         case.plant.rigid,
@@ -315,13 +322,6 @@ def _rate_trade_off(
         rate_limit=case.nozzle.rate_limit,
         forecast=case.dead_band < 1.0,
     )
-
-
-def _autopilot_rate(case: StudyPlan) -> float | None:
-    """Return the required rate of the autopilot [rad/s] with the limit; None beyond linearity."""
-    if beyond_linear(float(case.history.peak)):
-        return None
-    return flown_required_rate(case, limited_law(case, AUTOPILOT))
 
 
 @dataclass(frozen=True)
@@ -368,8 +368,8 @@ def _rate_text(required_rate: float, at: str, law: str) -> str:
     `at`: deflection with which the rate is required, in words: "limit", or the required one.
     """
     if np.isinf(required_rate):
-        return f"no rate is sufficient{f' for {law}' * bool(law)} with the {at}"
-    whose = f" of {law}" * bool(law)
+        return f"no rate is sufficient{f' for {law}' if law else ''} with the {at}"
+    whose = f" of {law}" if law else ""
     return f"{REQUIRED_RATE}{whose} with the {at} {np.degrees(required_rate):.3f} deg/s"
 
 
@@ -390,20 +390,22 @@ def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
     with waiting("flying"):
         flown = [FlownLoad.of(case, name, limited_law(case, name), case.load) for name in names]
     with waiting("angle over load"):
-        front = _load_trade_off(case)
-    curve, point = front.tables()
+        trade_off = _load_trade_off(case)
+    curve, point = trade_off.tables()
     return TradeOffAnswer(
-        trade_off=front,
-        judged=front.verdict,
-        document={"trade_off": front, "flown": flown},
+        trade_off=trade_off,
+        judged=trade_off.verdict,
+        document={"trade_off": trade_off, "flown": flown},
         outcomes=[f"flown, {load.words}" for load in flown],
         tables=_titled(title, curve),
         further=(point,),
-        notes=tuple(front.notes),
-        satisfied=not ((front.limit is not None or front.load is not None) and front.verdict)
+        notes=tuple(trade_off.notes),
+        satisfied=not (
+            (trade_off.limit is not None or trade_off.load is not None) and trade_off.verdict
+        )
         and all(load.survives_within for load in flown),
-        curves=lambda: plots.load_curves(front, flown),
-        chart=lambda _: plots.load_chart(front, flown, title.replace(": ", "\n")),
+        curves=lambda: plots.load_curves(trade_off, flown),
+        chart=lambda _: plots.load_chart(trade_off, flown, title.replace(": ", "\n")),
     )
 
 

@@ -3,10 +3,11 @@
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial, wraps
+from functools import cached_property, wraps
 from importlib import import_module
 from inspect import Parameter, Signature, signature
 from keyword import iskeyword
+from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 
@@ -205,7 +206,10 @@ def _parameter(item: Field) -> str:
     if item.option and "/" not in item.option:
         name = item.option.strip("-").replace("-", "_")
         return f"{name}_" if iskeyword(name) else name
-    return item.name + (optional_unit(item.kind)[0] if item.numeric else "")
+    if not item.numeric:
+        return item.name
+    suffix, _, _ = optional_unit(item.kind)  # of the unit, such as "_deg"
+    return item.name + suffix
 
 
 def _flag(parameter: str) -> str:
@@ -224,7 +228,7 @@ def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None)
     kind: Any = kinds.get(item.kind, float)
     default = shown.get(item.name, item.shown)
     if not default and item.default is not None:
-        factor = optional_unit(item.kind)[2] if item.numeric else None
+        _, _, factor = optional_unit(item.kind) if item.numeric else ("", "", None)  # to SI
         defaults = item.default if item.many else (item.default,)
         default = " and ".join(
             f"{value / factor:g}" if factor else str(value) for value in defaults
@@ -333,18 +337,13 @@ def _expanded(
             shown += [_in_panel(option, getattr(kind, "panel", None)) for option in options]
         else:
             shown.append(parameter)
-            takers[name] = partial(_pop_value, name)
+            takers[name] = methodcaller("pop", name)  # the value itself
 
     def call(values: dict[str, Any]) -> Any:
         """Call the command or make the group with its options, which are removed from `values`."""
         return made(**{name: taker(values) for name, taker in takers.items()})
 
     return shown, call
-
-
-def _pop_value(name: str, values: dict[str, Any]) -> Any:
-    """Return the value of the option with a name, and remove it from `values`."""
-    return values.pop(name)
 
 
 def _in_panel(option: Parameter, panel: str | None) -> Parameter:

@@ -139,13 +139,14 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
 
     console = Console(highlight=False)
     columns = list(zip(headings, *rows, strict=True))  # heading first, then cells
-    words = [max((len(cell.split()) for cell in column[1:]), default=0) for column in columns]
-    prose = [length >= _MIN_WORDS_OF_PROSE for length in words]
+    counts = [max((len(cell.split()) for cell in column[1:]), default=0) for column in columns]
+    prose = [count >= _MIN_WORDS_OF_PROSE for count in counts]
     pieces = [" ".join((column[0].replace("-", "- "), *column[1:])).split() for column in columns]
-    minima = [max(map(len, words), default=0) for words in pieces]
+    minima = [max(map(len, words), default=0) for words in pieces]  # widths of the longest words
+    # further width for the whole of the longest text of each column, and what the terminal has left
     wanted = [max(map(len, cells)) - width for cells, width in zip(columns, minima, strict=True)]
     spare = console.width - sum(minima) - _MAX_COLUMN_PADDING * len(columns) - 1
-    fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)
+    fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)  # wider: further width given
     of_cells = [max(map(len, cells[1:]), default=0) for cells in columns]
     for lengths in ([n - low for n, low in zip(of_cells, minima, strict=True)], wanted):
         spare = _widen(wider, lengths, spare, prose)  # a heading is broken before a cell

@@ -85,7 +85,7 @@ class BoundedTrim:
 
     @cached_property
     def verdict(self) -> Verdict:
-        """Verdict of condition (4b) where this deflection is constant for ever."""
+        """Verdict of the report's eq (4b): stability where this deflection is constant for ever."""
         return judge(self.plant, self.deflection, self.wind)
 
     @property
@@ -166,11 +166,17 @@ def bounded_trim(
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     # the sign of the limit, opposite to the wind for B > 0; in a wind of zero any
-    opposing = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
-    deflection = trim_then_hold(plant, history, opposing * limit, dead_band, "literal")
-    required = study_requirement(case, dead_band)
+    sign = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     return BoundedTrim(
-        case, name, history, deflection, dead_band, nominal, limit, str(needed.governs), required
+        case=case,
+        name=name,
+        wind=history,
+        deflection=trim_then_hold(plant, history, sign * limit, dead_band, switch="literal"),
+        dead_band=dead_band,
+        nominal=nominal,
+        limit=limit,
+        governs=str(needed.governs),
+        required=study_requirement(case, dead_band),
     )
 
 
@@ -219,54 +225,54 @@ def respond(
     plan = case_of(vehicle, *changes, wind=winds.over, questions=("respond",), time=time)
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
-    case = bounded_trim(plan, winds.name(plan), plan.dead_band, capability, until)
-    largest, shown = case.followed(until * float(case.wind.end))
+    trim = bounded_trim(plan, winds.name(plan), plan.dead_band, capability, until)
+    largest, shown = trim.followed(until * float(trim.wind.end))
     files.write(
-        lambda: _curves(case, np.linspace(0.0, shown.time, points)),
-        lambda curves: plots.response_chart(curves, _title(case)),
+        lambda: _curves(trim, np.linspace(0.0, shown.time, points)),
+        lambda curves: plots.response_chart(curves, _title(trim)),
     )
     note_nominal_pressure(plan)
     answer(
         files.as_json,
-        lambda: _document(case, largest, shown),
-        lambda: _print(case, largest, shown, more),
+        lambda: _document(trim, largest, shown),
+        lambda: _print(trim, largest, shown, more),
     )
 
 
-def _curves(case: BoundedTrim, times: FloatArray) -> "Curves":
+def _curves(trim: BoundedTrim, times: FloatArray) -> "Curves":
     """Return the curves of the response over times [s]."""
     from tvclin.plots import response_curves
 
-    deflection, wind = case.deflection, case.wind
-    response = attitude_responses(case.plant, deflection, wind, times)
-    what = f"{case.case.vehicle.name}: {case.words}"
+    deflection, wind = trim.deflection, trim.wind
+    response = attitude_responses(trim.plant, deflection, wind, times)
+    what = f"{trim.case.vehicle.name}: {trim.words}"
     return response_curves(
-        response, "respond", what, limit=case.limit, deflection=deflection, wind=wind
+        response, "respond", what, limit=trim.limit, deflection=deflection, wind=wind
     )
 
 
-def _title(case: BoundedTrim) -> str:
+def _title(trim: BoundedTrim) -> str:
     """Return the title of the figure of a response: its vehicle, below it wind and limit."""
-    return f"{case.case.vehicle.name or 'Response'}: exact response\n{case.words}"
+    return f"{trim.case.vehicle.name or 'Response'}: exact response\n{trim.words}"
 
 
-def _print(case: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
+def _print(trim: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
     """Print the outcome with the limit, and the largest motions; with `more`, all notes.
 
     `shown`: end of the shown response, and its reason.
     """
-    wind_covered = _covers_the_wind(case, shown)
-    caption = f"{case.case.vehicle.name}: exact response\n{case.words}"
-    see = [] if case.required is None else [case.required.see_study]
+    wind_covered = _covers_the_wind(trim, shown)
+    caption = f"{trim.case.vehicle.name}: exact response\n{trim.words}"
+    see = [] if trim.required is None else [trim.required.see_study]
     print_answer(
-        "; ".join([case.outcome, *see]),
-        response_table(caption, largest, case.loads if wind_covered else None),
-        notes=(*case.notes, *_end_notes(case, shown), *_constant_notes(case)),
+        "; ".join([trim.outcome, *see]),
+        response_table(caption, largest, trim.loads if wind_covered else None),
+        notes=(*trim.notes, *_end_notes(trim, shown), *_constant_notes(trim)),
         more=more,
     )
 
 
-def _end_notes(case: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
+def _end_notes(trim: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
     """Yield notes on the time at which the shown response ends, and on its reason."""
     if shown.why == RELEASED:
         yield (
@@ -275,54 +281,55 @@ def _end_notes(case: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
         )
     elif shown.why == OVERTURNED:
         yield f"the response is shown until it exceeds 90 deg, {shown.time:.3f} s"
-        if case.survived:
+        if trim.survived:
             yield OVERTURNED_NOTE
 
 
-def _constant_notes(case: BoundedTrim) -> Iterator[str]:
+def _constant_notes(trim: BoundedTrim) -> Iterator[str]:
     """Yield notes on the deflection that stays constant for ever, by condition (4b).
 
     A NaN time constant of the final motion belongs to a fast mode that is not excited: the slow
     mode alone remains.
     """
-    verdict = case.verdict
+    verdict = trim.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"
-    if not verdict.stable and np.isnan(verdict.final_motion.e_folding_times[0]):
+    times = verdict.final_motion.e_folding_times  # of each unstable pole [s], the fast one first
+    if not verdict.stable and np.isnan(times[0]):
         stable = "by condition (4b) only the slow mode of the flight path is not stable"
     yield f"held for ever, the deflection leaves {verdict.final_motion}: {stable}"
-    if case.survived and not verdict.stable:
+    if trim.survived and not verdict.stable:
         yield "SURVIVED means with a control that lets go of the limit in time"
 
 
-def _covers_the_wind(case: BoundedTrim, shown: ResponseEnd) -> bool:
+def _covers_the_wind(trim: BoundedTrim, shown: ResponseEnd) -> bool:
     """Return whether the shown response lasts until the end of the wind."""
-    return shown.why == COMPLETE or shown.time >= float(case.wind.end)
+    return shown.why == COMPLETE or shown.time >= float(trim.wind.end)
 
 
-def _document(case: BoundedTrim, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
+def _document(trim: BoundedTrim, largest: Extremes, shown: ResponseEnd) -> dict[str, Any]:
     """Return a response, its verdict and the required deflection, for JSON.
 
     `largest`: extremes of the attitude. `shown`: end of the shown response, and its reason.
     """
-    verdict, wind_covered = case.verdict, _covers_the_wind(case, shown)
-    needed = None if case.required is None else np.degrees(case.required.known_deflection)
+    verdict, wind_covered = trim.verdict, _covers_the_wind(trim, shown)
+    needed = None if trim.required is None else np.degrees(trim.required.known_deflection)
     peak = {
-        "deg": np.degrees(case.loads.peak_angle_of_attack),
-        "time_s": case.loads.peak_time,
-        "relative_to_wind": case.loads.relative,
+        "deg": np.degrees(trim.loads.peak_angle_of_attack),
+        "time_s": trim.loads.peak_time,
+        "relative_to_wind": trim.loads.relative,
     }
     return {
-        "vehicle": case.case.vehicle.name,
-        "model": case.plant.model,
-        "plane": case.case.plane,
-        "wind": {"shape": case.name, **document(case.wind, "peak"), "duration_s": case.wind.end},
+        "vehicle": trim.case.vehicle.name,
+        "model": trim.plant.model,
+        "plane": trim.case.plane,
+        "wind": {"shape": trim.name, **document(trim.wind, "peak"), "duration_s": trim.wind.end},
         "required_deflection_deg": needed,
-        "dead_band": case.dead_band,
-        "nominal_deflection_deg": np.degrees(case.nominal),
-        "governed_by": case.governs,
-        "limit_deg": np.degrees(case.limit),
-        "survived": case.survived,
-        "notes": case.notes,
+        "dead_band": trim.dead_band,
+        "nominal_deflection_deg": np.degrees(trim.nominal),
+        "governed_by": trim.governs,
+        "limit_deg": np.degrees(trim.limit),
+        "survived": trim.survived,
+        "notes": trim.notes,
         "shown_until": {"time_s": shown.time, "why": shown.why},
         "attitude": largest,
         "peak_angle_of_attack": peak if wind_covered else None,

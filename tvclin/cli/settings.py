@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 from typer.models import ArgumentInfo
 
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, shown
 
 _SOURCES = ("vehicle", "source")
 """Arguments of commands that take a case."""
@@ -126,8 +126,6 @@ def joined(arguments: Sequence[str]) -> list[str]:
 
 def pairs(settings: Iterable[str]) -> list[tuple[str, str]]:
     """Return the keys and values, as texts, of settings of --set such as wind.peak_deg=6."""
-    from tvclin.base.errors import InputError, shown
-
     made = [setting.partition("=") for setting in settings]
     for key, equals, _ in made:
         if not equals:
@@ -145,8 +143,6 @@ def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
     settings = values.get(_PARAMETER)
     if not settings:
         return
-    from tvclin.base.errors import InputError
-    from tvclin.cli.settings import is_set
     from tvclin.studyfile.settings import quantity_name
 
     keys = _WIND_KEYS | _OTHER_KEYS | _field_keys()
@@ -189,7 +185,6 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
     `values`: the values of the options, by name. A line of the message that begins with the source
     and has the name of a quantity that --set gives begins with that key in its place.
     """
-    from tvclin.base.errors import InputError
     from tvclin.base.files import called
 
     source, message = next((values[name] for name in _SOURCES if values.get(name)), ""), str(error)
@@ -226,7 +221,6 @@ def _quantity(key: str) -> str:
 
 def similar_key(option: str) -> str | None:
     """Return the first key of a study file with the name of an unknown option; None if none."""
-    from tvclin.cli.settings import without_unit
     from tvclin.studyfile.keys import all_keys
 
     name = without_unit(option.strip("-").replace("-", "_"))
@@ -239,8 +233,8 @@ def field_key(option: str) -> str | None:
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name
 
-    quantities = (_OTHER_KEYS | _field_keys()).get(option, ("",))
-    return next((k.name for k in all_keys() if quantity_name(k.name) == quantities[0]), None)
+    first, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))  # further ones are excluded by it
+    return next((k.name for k in all_keys() if quantity_name(k.name) == first), None)
 
 
 def _field_keys() -> dict[str, tuple[str, ...]]:

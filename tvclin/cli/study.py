@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -66,11 +65,6 @@ _GAINS = ("natural_frequency", "damping", "attitude_gain", "rate_gain")
 """Fields of `AutopilotDesign` that have an option."""
 
 
-def _with_limit_shape(limit_shape: str | None, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with the limit shape of --limit-shape; unchanged for None."""
-    return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
-
-
 def study(
     source: Source = "configuration-i",
     time: At = None,
@@ -99,7 +93,12 @@ def study(
     Exit code 0: every verdict is SUFFICIENT, every criterion MET and every flight SURVIVED, or no
     limit was given; 1: one is not, or is NOT KNOWN; 2: bad input.
     """
-    changes = limits.over, partial(_with_limit_shape, limit_shape), question.over, gains.over
+
+    def shaped(plan: StudyPlan) -> StudyPlan:
+        """Return a plan with the limit shape of --limit-shape, if it is given."""
+        return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
+
+    changes = limits.over, shaped, question.over, gains.over
     plan = case_of(source, *changes, wind=winds.over, questions=("study",), time=time)
     if plot is not None:
         from tvclin.kernels.choice import announce
@@ -151,15 +150,16 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     s, several = findings.study, len(questions(findings)) > 1
     headline, wind = text(sentence(findings)), text(tables.requirement(s))
     days = () if findings.availability is None else findings.availability.notes
-    of_all = (*_loop_notes(findings), *days)
-    random, unknown = findings.turbulence, findings.reasons.get("turbulence")
-    of_all = (*of_all, *([f"turbulence: {unknown}"] if unknown and not several else []))
+    further_notes = [*_loop_notes(findings), *days]
+    turbulence, unknown = findings.turbulence, findings.reasons.get("turbulence")
+    if unknown and not several:
+        further_notes.append(f"turbulence: {unknown}")
 
     print_answer(
         headline if several else f"{headline}\n{wind}",
         questions_table(findings) if several else tables.boundaries(s),
-        *([] if several or random is None else random.tables()[:1]),
-        notes=(*of_all, *s.notes) if several else (*s.notes, *of_all),
+        *([] if several or turbulence is None else turbulence.tables()[:1]),
+        notes=(*further_notes, *s.notes) if several else (*s.notes, *further_notes),
         more=more,
         details=lambda: _print_details(findings, source, wind if several else ""),
     )

@@ -55,7 +55,7 @@ def print_sweep(source: str, loop: FlightLoop, more: bool, shown: ShownCurves) -
     note_omissions(loop.plan, "margins", "margins without --limit-deg", "margins without a wind")
     with waiting("margins"):
         swept = loop.sweep()
-    notes = [*loop.notes, *(_DETUNED for _ in swept.changes[:1]), _FROZEN_NOTE]
+    notes = [*loop.notes, *([_DETUNED] if swept.changes else []), _FROZEN_NOTE]
     if shown.csv is not None:
         swept.to_csv(shown.csv)
     name = loop.flight.vehicle.name or source
@@ -124,7 +124,8 @@ def _show(
     if len(flown.outcomes) == 1:
         table = largest
     planes = "both planes" if loop.plan.planes == BOTH else loop.plan.plane
-    title = f"{name}, {loop.model}, {planes}" + f", {worst.wind}" * (flown.wind_count == 1)
+    title = f"{name}, {loop.model}, {planes}"
+    title += f", {worst.wind}" if flown.wind_count == 1 else ""
     head = {"vehicle": name, "model": loop.model, "plane": loop.plan.planes}
     answer(
         shown.as_json,

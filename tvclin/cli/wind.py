@@ -179,7 +179,8 @@ class WindOptions(PulseOptions):
 
     def _check_no_pulse(self) -> None:
         """Raise `InputError` for options of a pulse beside a sounding."""
-        pulse = {name: getattr(self, name) for name in ("wind", *vars(_Pulse()))}
+        names = ("wind", *vars(_Pulse()))  # with duration and peak
+        pulse = {name: getattr(self, name) for name in names}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
 
 
@@ -231,10 +232,10 @@ class FlightOptions(PulseOptions):
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, at each flight time.
 
-        A peak speed belongs to the sizing, and gives an angle at each flight time; any option of
-        the pulse makes it a wind beside soundings. `source` is not used.
+        A peak speed is a field of the plan's sizing, and gives an angle at each flight time. Any
+        option of a pulse makes it fly beside soundings too. `source` is not used.
         """
-        azimuth = None if self.winds else self.azimuth_deg
+        azimuth = None if self.winds else self.azimuth_deg  # which soundings have taken
         angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
         plan = PulseOptions.over(angular, plan)
         request, speed = plan.sizing, self.peak_speed
@@ -288,6 +289,7 @@ def winds_in_flight(plan: StudyPlan) -> dict[str, StudyPlan]:
     wind = plan.history.shift(middle - 0.5 * pulse.duration)
     if plan.plane != "pitch" or pulse.heading is not None:
         return {_direction(plan): replace(plan, wind=wind)}
+    # the sign of the peak by direction, head and tail
     signs = {plan.sign: SIGNS[plan.sign]} if plan.sign in SIGNS else SIGNS
     return {
         name: replace(plan, wind=wind * (sign * float(np.sign(wind.peak))))

@@ -219,12 +219,14 @@ def minimum_gain_schedule(
     plants : Plant
         Plant at each time, ``(n,)``.
     winds, **options
-        Same parameters as in `minimum_deflection_gains`; the winds may occur at any time.
+        Winds that may occur at any time; criteria, nozzle and other arguments of
+        `minimum_deflection_gains`.
 
     Raises
     ------
     InputError
-        Same exceptions as `GainSchedule` and `minimum_deflection_gains`.
+        For times that do not rise, another number of plants, and what `minimum_deflection_gains`
+        refuses.
 
     Examples
     --------

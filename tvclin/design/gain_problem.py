@@ -171,7 +171,9 @@ class GainProblem:
     def point(self, autopilot: Autopilot) -> FloatArray:
         """Return the point of the gains of an autopilot in the unit box, ``(axes,)``.
 
-        The inverse of `autopilot`; gains beyond the search range are moved to its edge.
+        The inverse of `autopilot`: axes are log (a0 + b0)/B, log a1 beta/B and b0/(a0 + b0), of the
+        gains on attitude, rate and angle of attack. Gains beyond the search range are moved to its
+        edge; `_scales` has B, beta and the largest two of these ratios.
         """
         B, beta, (stiffest, fastest) = self._scales
         a0, a1, b0 = (float(getattr(autopilot, name)) for name in GIVEN_GAINS)
@@ -203,6 +205,7 @@ class GainProblem:
         """
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
+        # delay margins, which take longer, where a criterion limits them
         margins = margins_of(loop.analysis(delays=self.criteria.has_delay_limit), loop.batch)
         fractions = [np.full(len(points), -np.inf)]
         fractions += [

@@ -157,8 +157,8 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
     """
     tau, peak = number("duration", duration, positive, "s"), number("peak", peak, unit="rad")
     triangle = TriangularWind(peak=peak, duration=tau)
-    back = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
     rise = triangle.before(tau / 2)
+    fall = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
     winds: tuple[History, ...] = (
         triangle,
         AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
@@ -167,8 +167,8 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
         TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
         triangle + triangle.shift(tau),
         triangle - triangle.shift(tau),
-        rise - 0.3 * back.shift(tau / 2),
-        rise - back.shift(tau / 2),
+        rise - 0.3 * fall.shift(tau / 2),
+        rise - fall.shift(tau / 2),
     )
     return dict(zip(WINDS, winds, strict=True))
 
@@ -178,7 +178,8 @@ def standard_laws(
 ) -> dict[str, Law]:
     """Return all laws by name, designed on a plant for a peak wind [rad] and rate limit [rad/s].
 
-    Same exceptions as `design_law`; the law "autopilot" has the gains of `autopilot`, if given.
+    The law "autopilot" has the gains of `autopilot`, if given. `InputError` for a plant without an
+    unstable pole.
     """
     design = partial(design_law, plant=plant, peak=peak, rate_limit=rate_limit)
     laws = {name: design(name) for name in LAWS}
@@ -209,13 +210,13 @@ def law_trials(
     sample_rate : float
         Samples of the law in a second [Hz].
     cuts : int
-        Number of sudden ends of each wind that are tried as well; see `closed_loop_boundary`.
+        Number of sudden ends of each wind that are tried as well, at even instants.
     loads : bool
         Whether to fly for the largest angle of attack and attitude; they are NaN otherwise.
     progress : callable, optional
-        Called with the finished and the largest total work; see `closed_loop_boundary`.
+        Called with the finished work and the largest total of it.
     **hardware
-        rate_limit, actuator and delay of `closed_loop_boundary`.
+        rate_limit [rad/s], actuator and delay [s] of the flights.
     """
     if progress is not None:
         callable_for("progress", progress, "of how many are done and how many there are")
@@ -262,7 +263,7 @@ def law_curve(
     sample_rate : float
         Sample rate of the law [Hz].
     **hardware
-        Same parameters as in `law_trials`.
+        rate_limit [rad/s], actuator and delay [s] of the flights.
     """
     pole = float(plant.coefficients.pole)
     winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]

@@ -113,7 +113,7 @@ class WorstCase(Shown):
 
     def table(self) -> lines.Table:
         """Return the nominal and the worst value of each margin and of the deflection, located."""
-        rows: list[tuple[lines.Line, ...]] = []
+        rows: list[tuple[lines.Line, ...]] = []  # of cells without keys for JSON, ""
         for name, worst in self.margins.items():
             label, unit, _ = MARGINS[name]
             values = (margin("", unit_factor(unit) * x, unit) for x in (worst.nominal, worst.value))

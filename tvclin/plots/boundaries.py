@@ -83,8 +83,8 @@ def boundary_chart(
     dead_bands : sequence of float
         K of the curves for triangular winds.
     coefficients : Coefficients, optional
-        Of one vehicle; the boundaries with drift, eqs (16) and (18), are then drawn instead of
-        eqs (7) and (12).
+        Of one vehicle; the boundaries with drift, eqs (16) and (18) of the report, are then drawn
+        instead of eqs (7) and (12).
     """
     if coefficients is not None:
         errors.instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
@@ -103,7 +103,7 @@ def figure_2(
     Parameters
     ----------
     tau_beta, dead_bands
-        Same as in `boundary_chart`.
+        Abscissas tau beta, ``(n,)``, 0.05 to 20 where not given; K of the triangular winds.
     """
     title = f"Figure 2. Stability boundary {_FIXED}"
     return _draw_boundaries("figure-2", title, tau_beta, dead_bands, None)
@@ -118,8 +118,8 @@ def figure_5(
 
     Parameters
     ----------
-    tau_beta
-        Same as in `boundary_chart`.
+    tau_beta : array_like, optional
+        Abscissas tau beta, ``(n,)``, 0.05 to 20 where not given; with damping tau times the pole.
     dead_bands : sequence of float
         K, one for each panel.
     vehicles : sequence of Vehicle or str
@@ -252,8 +252,8 @@ def _draw_boundaries(
 
     `name`: name of its numbers. `title`: title. `tau_beta`: abscissas, positive; None for the usual
     ones. `dead_bands`: K, a curve each. `coefficients`: those of a vehicle with drift; None on a
-    fixed path. K1 is the fraction of the wind that counts with drift, eq (15b); b1 and b2 [1/s] are
-    the zeros from deflection and from wind to attitude, eq (B7).
+    fixed path. K1 is the report's fraction of the wind that counts with drift, eq (15b); b1 and b2
+    [1/s] are the zeros from deflection and from wind to attitude, eq (B7).
     """
     x, c = _abscissas(tau_beta), coefficients
     dead_bands = _fractions(dead_bands)
@@ -281,7 +281,7 @@ def _draw_boundaries(
 
 
 def drift_words(c: Coefficients) -> str:
-    """Return the numbers of a vehicle that enter eq (18), as text; `c`: its coefficients.
+    """Return the numbers of a vehicle in eq (18) of the report, as text; `c`: its coefficients.
 
     They are the unstable pole, and b1 and b2, zeros from deflection and from wind to attitude.
     """
@@ -371,7 +371,7 @@ def flown_limit(
     `dead_band`: duration of the wind, and K. `plane` ({"pitch", "yaw"}): plane of the wind. `peak`:
     its peak [rad], at the vehicle's own time. `engine`: one of `ENGINES`. `along`: whether the
     parameters vary along the trajectory, which planar flights know; frozen where not. `tolerance`:
-    same as in `flown_boundary`.
+    of the limit, over trim.
     """
     vehicle = load_vehicle(name)
     options: dict[str, Any] = {}
@@ -452,7 +452,7 @@ def figure_11(
     Parameters
     ----------
     vehicle, dead_bands, **options
-        Same as in `figure_10`.
+        Vehicle by name, K of each panel; durations `tau_beta` and `along`, `engine` of the flights.
     """
     return _figure(11, vehicle, dead_bands, **options)
 

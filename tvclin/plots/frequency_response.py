@@ -92,7 +92,7 @@ def nichols_chart(
     Raises
     ------
     InputError
-        For a batch, a loop with a plant, and in the same cases as `Autopilot.exact_loop`.
+        For a batch, a loop with a plant, and what `Autopilot.exact_loop` refuses.
 
     Notes
     -----
@@ -169,9 +169,10 @@ def _frame_nichols(
 ) -> None:
     """Set the limits of the axes of a Nichols chart: around margins, criteria and the loop.
 
-    `samples`: the loop over frequency. `marks`: marks of its margins. `box`: region of the
-    criteria, see `_draw_box`. Levels, grid and contours of |T| are drawn too. The frame holds whole
-    boxes, ends at multiples of 30 deg and 3 dB, and shows phases from -540 to 180 deg.
+    `samples`: the loop over frequency. `marks`: marks of its margins. `box`: extent of the
+    criteria upwards and downwards [dB], and half width [deg]. Levels, grid and contours of |T| are
+    drawn too. The frame holds whole boxes, ends at multiples of 30 deg and 3 dB, and shows phases
+    from -540 to 180 deg.
     """
     up, down, half_width = box
     heights = [mark.y for mark in marks if np.isfinite(mark.y)]
@@ -218,7 +219,7 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
     Parameters
     ----------
     autopilot, plant
-        Same as in `nichols_chart`.
+        One autopilot and one plant of any model, or one loop alone.
     """
     import matplotlib.pyplot as plt
 
@@ -354,7 +355,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     Parameters
     ----------
     autopilot, plant
-        Same as in `nichols_chart`.
+        One autopilot and one plant of any model, or one loop alone.
     """
     import matplotlib.pyplot as plt
 
@@ -423,6 +424,7 @@ def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
     radius = 1e-2 * float(axis[0])
     arc = radius * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, _ARC))
     around_corners = (corners[:, np.newaxis] + arc).ravel()
+    # along the contour, real and imaginary part in the variable of the loop
     nu = np.unique(np.concatenate([[0.0], around_corners[around_corners > 0.0], axis]))
     distances = np.abs(nu[:, np.newaxis] - corners).min(axis=-1, initial=np.inf)
     contour = np.sqrt(np.maximum(radius**2 - distances**2, 0.0)) + 1j * nu
@@ -438,6 +440,7 @@ def _encirclements_text(response: Any, samples: LoopSamples) -> str:
 
     `response`: python-control's Nyquist response of the loop. `samples`: the loop over frequency.
     """
+    # python-control counts clockwise
     turns, open_loop = -response.count, unstable_poles(samples.loop)
     direction = "counterclockwise" if turns >= 0 else "clockwise"
     times = f"{abs(turns)} {direction} encirclement{'s' * (abs(turns) != 1)} of -1"
@@ -517,11 +520,10 @@ _DECADES = 6.0
 
 
 def spectrum_curves(covariance: LoopCovariance) -> Curves:
-    """Return the curves of `spectrum_chart`: square roots of one-sided spectra per Hz.
+    """Return the curves of the square roots of one-sided spectra per Hz, of angles and rates.
 
-    A spectrum per rad/s times 2 pi is that per Hz.
-
-    `covariance`: loop in turbulence. `InputError` for turbulence of no intensity.
+    A spectrum per rad/s times 2 pi is that per Hz. `covariance`: loop in turbulence. `InputError`
+    for turbulence of no intensity.
     """
     instance("covariance", covariance, LoopCovariance, "see turbulence_covariance")
     if not covariance.intensity:

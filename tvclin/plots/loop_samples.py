@@ -126,9 +126,9 @@ class LoopSamples:
 def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) -> LoopSamples:
     """Return the samples of one loop.
 
-    `figure`: name of the figure, for messages. `autopilot`, `plant`: same as in `nichols_chart`. A
-    plant with modes has margins by band: of its rigid part and of each mode. `InputError` for a
-    batch, and for a loop with a plant.
+    `figure`: name of the figure, for messages. `autopilot`, `plant`: an autopilot and its plant, or
+    a loop alone. A plant with modes has margins by band: of its rigid part and of each mode.
+    `InputError` for a batch, and for a loop with a plant.
     """
     if isinstance(autopilot, Loop):
         if plant is not None:

@@ -165,7 +165,8 @@ def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
 def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) -> ControlPlot:
     """Draw the boundary of a law over gain and delay as contours, and a limit as one of them.
 
-    A flight with the limit survives where the boundary is below it.
+    A flight with the limit survives where the boundary is below it. Grey is where the linear loop
+    is unstable near rest.
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ def response_curves(
     response : Responses or control.TimeResponseData
         One response, not a batch.
     name, parameters : str
-        Name and parameters of the curves, see `Curves`.
+        Name of the figure, and its parameters in one line.
     limit : float, optional
         Deflection limit [rad].
     deflection, wind : History, optional
@@ -188,7 +188,7 @@ def flight_curves(
     limit : float
         Its deflection limit [rad].
     name, parameters : str
-        Name and parameters of the curves, see `Curves`.
+        Name of the figure, and its parameters in one line.
     reference : {"linear", "rigid"}
         Name of the flight compared with.
     """
@@ -336,7 +336,7 @@ def figure_4(dead_band: float = 0.5, **options: Any) -> "ControlPlot":
     Parameters
     ----------
     dead_band, **options
-        Same as in `figure_3`.
+        K; tau_beta, factors, until and points of `attitude_chart`.
     """
     return _without_drift(4, dead_band, options)
 
@@ -358,7 +358,7 @@ def figure_6(
 
     Notes
     -----
-    Curves are eq (B9), marks are flights with the same deflection limits. The flights of the
+    Curves are its eq (B9), marks are flights with the same deflection limits. The flights of the
     report are not printed as numbers; these are frozen at the vehicle's own time, and the size
     of the wind is assumed.
     """
@@ -373,7 +373,7 @@ def figure_7(
     Parameters
     ----------
     vehicle, dead_band, **options
-        Same as in `figure_6`.
+        One vehicle or its name, K, options of `attitude_chart`, and the `engine` of the flights.
     """
     return _with_drift(7, vehicle, dead_band, **options)
 
@@ -386,7 +386,7 @@ def figure_8(
     Parameters
     ----------
     vehicle, dead_band, **options
-        Same as in `figure_6`.
+        One vehicle or its name, K, options of `attitude_chart`, and the `engine` of the flights.
     """
     return _with_drift(8, vehicle, dead_band, **options)
 
@@ -399,7 +399,7 @@ def figure_9(
     Parameters
     ----------
     vehicle, dead_band, **options
-        Same as in `figure_6`.
+        One vehicle or its name, K, options of `attitude_chart`, and the `engine` of the flights.
     """
     return _with_drift(9, vehicle, dead_band, **options)
 
@@ -410,7 +410,7 @@ def _without_drift(number: int, dead_band: float, options: dict[str, Any]) -> "C
     `dead_band`: K. `options`: further arguments of `attitude_chart`.
     """
     dead_band = _fraction(dead_band)
-    # in these units any vehicle is the same
+    # over the duration and the peak of the wind, the attitude depends on tau beta and K alone
     plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
     title = f"Figure {number}. Attitude error without drift, K = {dead_band:g}, analytic: eq (13)"
     return attitude_chart(plant, dead_band, name=f"figure-{number}", title=title, **options)

@@ -127,14 +127,14 @@ def _mark_poles(
     `modes`: poles [1/s] and residues. `model`: name of the model. `row`: number of the model, for
     colour and mark. `named`: smallest and largest size [1/s] of poles whose residues are written.
     """
-    poles, strength = modes.poles.astype(complex), modes.deflection_residues + 0j
+    poles, residues = modes.poles.astype(complex), modes.deflection_residues + 0j
     colour, size = cycle(COLOURS)[row], np.abs(poles)
     mark = {"marker": cycle(MARKS)[row], "ms": 8 - row, "mfc": "none", "mew": 1.6}
     lines = axes.plot(poles.real, poles.imag, ls="", color=colour, label=model, **mark)
     smallest, largest = named
     inside = (size > smallest) & (size <= largest) & (poles.imag >= 0.0)  # one of each pair
     lift = 12 + 14 * (row if smallest >= 0.0 else row % 2)  # the panel of the origin has less room
-    for pole, residue in zip(poles[inside], strength[inside], strict=True):
+    for pole, residue in zip(poles[inside], residues[inside], strict=True):
         _write_residue(axes, pole, residue, lift, colour)
     return lines
 
@@ -321,11 +321,11 @@ class LocusPoles:
 def _in_s_plane(w: AnyArray, half: float) -> AnyArray:
     """Return s = ln(z)/h [1/s] of poles or zeros in the w plane; `half`: half the period h [s].
 
-    The bilinear rule is z = (1 + w h/2)/(1 - w h/2). A pole z = 0 is put where its distance is the
-    sample rate over `_FAR`.
+    The bilinear rule is z = (1 + w h/2)/(1 - w h/2). A pole z = 0, whose s is at infinity, is put
+    at the distance 2 pi/(h `_FAR`) from the origin.
     """
     z = (1.0 + w * half) / (1.0 - w * half)
-    size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))  # z = 0: a command in the delay
+    size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))
     return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
 
 
@@ -353,8 +353,9 @@ def root_locus_chart(
     Parameters
     ----------
     autopilot, plant
-        Same as in `nichols_chart`. Discrete poles z of a sampled loop are drawn as s = ln(z)/h, up
-        to half the sample rate: the unit circle is the imaginary axis.
+        One autopilot and one plant of any model, or one loop alone. Discrete poles z of a sampled
+        loop are drawn as s = ln(z)/h, up to half the sample rate: the unit circle is the imaginary
+        axis.
     gains : array_like, optional
         Factors on the loop gain, zero or positive, ``(n,)``; by default from zero to beyond the
         gain-increase margin. The factor 1 is the loop itself.
@@ -362,8 +363,7 @@ def root_locus_chart(
     Raises
     ------
     InputError
-        In the same cases as `nichols_chart`, and for factors that are not a row of numbers from
-        zero on.
+        For a batch, a loop with a plant, and factors that are not a row of numbers from zero on.
 
     Notes
     -----

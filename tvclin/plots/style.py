@@ -170,6 +170,7 @@ def broken(words: str, width: int = _WIDE) -> str:
 
     `words`: the text, whose own lines stay apart.
     """
+    # blanks at which no line is broken, \u00a0, but for those after commas
     lines = words.replace(" ", "\u00a0").replace(",\u00a0", ", ").split("\n")
     return "\n".join(fill(line, width) for line in lines).replace("\u00a0", " ")
 

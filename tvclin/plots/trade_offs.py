@@ -65,7 +65,7 @@ _MEANS = {"peak": "linear peak", "boundary": "flown limit"}
 
 
 def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
-    """Return the curves of `rate_chart` for a trade-off; NaN where no deflection is sufficient.
+    """Return minimum deflections over the rate limit, in degrees; NaN where none is sufficient.
 
     `trade_off`: limits [rad] over rate limits [rad/s], with flown laws or without. The
     nozzle is a point, at its own rate limit, if that is among the rates.
@@ -102,7 +102,7 @@ def rate_chart(
 
 
 def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Curves:
-    """Return the curves of `load_chart` for a trade-off; NaN where no deflection is sufficient.
+    """Return minimum deflections over the load, in degrees; NaN where none is sufficient.
 
     `trade_off`: limits [rad] over loads, as angles of attack [rad] that load the structure as much.
     `flown`: limit and load of flown laws, a point each; their loads are added to the abscissa.
@@ -236,7 +236,7 @@ def laws_chart(
     tau_beta : ndarray
         Durations times beta, or with damping the pole, rising, ``(n,)``.
     **hardware
-        sample_rate, rate_limit, actuator and delay, see `law_trials`.
+        sample_rate [Hz], rate_limit [rad/s], actuator and delay [s] of the flights.
 
     Notes
     -----
@@ -321,13 +321,14 @@ def plane_chart(
     """Draw the required deflections in pitch and yaw over a wind, and the limit shape.
 
     The trim deflection follows the wind. The discounted mean of the future trim is the constant
-    deflection that suffices from then on, eq (4b). At the smallest limit the limit shape touches
-    this mean at the exit of the dead band.
+    deflection that suffices from then on, eq (4b) of the report. At the smallest limit the limit
+    shape touches this mean at the exit of the dead band.
 
     Parameters
     ----------
     plant, wind, limit_shape, dead_band, yaw_plant
-        Single ones, as in `plane_limit`; a limit shape may be given by name, as in `size`.
+        Plant in pitch, and in yaw where that is not given; wind in both planes; limit shape or its
+        name; K. No batches.
 
     Raises
     ------
@@ -339,6 +340,7 @@ def plane_chart(
     for name, plane_plant in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
         errors.single(name, plane_plant.batch)
     dead_band = errors.number("dead_band", dead_band, errors.between(0.0, 1.0))
+    # literal: the dead band is left where trim leaves it
     limit = plane_limit(plant, wind, shape, dead_band, switch="literal", yaw_plant=yaw_plant)
     pair = PlanePair((plant, yaw_plant or plant), wind)
     knots = np.union1d(wind.pitch.knots, wind.yaw.knots)
@@ -376,7 +378,7 @@ def plane_chart(
 
 
 def study_planes_chart(study: Study) -> ControlPlot:
-    """Draw the deflections in pitch and yaw of a study, as `plane_chart` does.
+    """Draw trim, its mean and the required deflection of a study in pitch and yaw, and the limit.
 
     Raises
     ------

@@ -43,7 +43,7 @@ _CONTROL = r"control  $-(\delta - \delta_n)/(B\,\alpha_{w,max})$ [-]"
 
 
 def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
-    """Draw sketch (a): a rectangular wind, and the deflection held from its start, eq (7).
+    """Draw the report's sketch (a): a rectangular wind, and the constant deflection of eq (7).
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
 
 
 def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
-    """Draw sketch (b): a triangular wind, and trim until the dead band is left, eqs (11), (12).
+    """Draw the report's sketch (b): a triangular wind, trim, then the limit, eqs (11), (12).
 
     Parameters
     ----------
     tau_beta : float
         Duration of the wind in units of 1/beta.
     dead_band : float
-        K, in [0, 1].
+        K, in [0, 1]: trim up to K times the limit.
     """
     wind = TriangularWind(peak=1.0, duration=1.0)
     tau_beta = errors.number("tau_beta", tau_beta, errors.positive)
@@ -81,7 +81,7 @@ def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
 def sketch_c(
     ratios: Sequence[float] = (0.1, 0.025), highest: float = 10.0, points: int = 401
 ) -> "ControlPlot":
-    """Draw sketch (c): the solution x of eq (C6) against y.
+    """Draw the report's sketch (c): the solution x of eq (C6) against y.
 
     x = exp(-beta2 t_s), with the time t_s at which the control of least peak changes its sign; y =
     beta1 D1/(beta2 D2), of unstable poles beta_i, with D_i the integral that the control must have,
@@ -147,7 +147,10 @@ def _wind_and_control(
     plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0), "fixed-path")
     boundary = boundary_limit(plant, wind, dead_band)
     control = trim_then_hold(plant, wind, boundary.deflection, dead_band)
-    x = _times_with_jumps(wind, control)
+    # from before the wind to after it, with both sides of every breakpoint
+    knots = np.concatenate([wind.knots.ravel(), control.knots.ravel()])
+    knots = knots[(knots >= 0.0) & (knots <= 1.5)]
+    x = np.unique(np.concatenate([np.linspace(-0.25, 1.5, 351), knots, knots - _JUMP]))
     columns = (
         Column("wind", wind(x), panel="wind"),
         Column("trim", wind(x), panel="control"),
@@ -186,17 +189,6 @@ def _wind_and_control(
             arrowprops=arrow,
         )
     return plot
-
-
-def _times_with_jumps(*histories: History) -> FloatArray:
-    """Return times from before the wind to after it, with both sides of every breakpoint.
-
-    They are over the duration of the wind, from -0.25 to 1.5, ``(n,)``.
-    """
-    knots = np.concatenate([history.knots.ravel() for history in histories])
-    knots = knots[(knots >= 0.0) & (knots <= 1.5)]
-    even = np.linspace(-0.25, 1.5, 351)
-    return np.unique(np.concatenate([even, knots, knots - _JUMP]))
 
 
 _ARM_A, _ARM_C, _NOSE, _TAIL, _RADIUS, _SPEED = 3.2, 6.0, 6.4, -6.0, 0.55, 11.0
@@ -278,7 +270,7 @@ def figure_1(
     for name, line in drawn.items():
         x, y = curves.column(f"{name} x"), curves.column(f"{name} y")
         lines += axes.plot(x, y, label=name, solid_capstyle="butt", **line.style)
-        _finish(axes, line, x, y)
+        _annotate(axes, line, x, y)
     axes.plot(0.0, 0.0, "o", color=INK, ms=6)
     axes.text(0.75, -0.5, "c.g.", fontsize=12)
     axes.text(0.48, 0.04, _SIGNS, transform=axes.transAxes, va="bottom", linespacing=1.7)
@@ -288,7 +280,7 @@ def figure_1(
     return control_plot(lines, axes, curves)
 
 
-def _finish(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
+def _annotate(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
     """Put heads on the arrow of a line, and its text beside it, into axes.
 
     `line`: the line with its text. `x`, `y`: its points, ``(n,)``.

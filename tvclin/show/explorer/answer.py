@@ -230,6 +230,7 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
         notes += _notes(choices, requirement.value)
         if choices.law == REPORT and choices.limit > requirement.value.nominal_deflection > 0.0:
             notes.append(_HELD)
+    neglected = omission_notes(choices.plan, "explore")  # effects such as bending
     return Answer(
         choices=choices,
         durations=_durations(choices)[: len(curve)],
@@ -240,7 +241,7 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
         outcome=outcome.value,
         margins=margins.value,
         verdict=_verdict(choices, requirement.value, outcome.value, len(done) >= _PARTS),
-        notes=(*dict.fromkeys(notes), *_neglected(choices)),
+        notes=(*dict.fromkeys(notes), *(f"{words[0].upper()}{words[1:]}." for words in neglected)),
     )
 
 
@@ -305,14 +306,6 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
             )
         ),
         *(() if nominal else [_NOMINAL]),
-    ]
-
-
-def _neglected(choices: Choices) -> list[str]:
-    """Return a sentence on each effect that choices neglect, such as the structure."""
-    return [
-        f"{sentence[0].upper()}{sentence[1:]}."
-        for sentence in omission_notes(choices.plan, "explore")
     ]
 
 

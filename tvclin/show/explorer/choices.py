@@ -165,18 +165,17 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
 
     `vehicles`: names of the vehicles that can be chosen.
     """
-    wind, design, stop = plan.wind, plan.autopilot_design, plan.nozzle.limit_shape
-    rule = _rule(design)
+    rule, limit_shape = _rule(plan.autopilot_design), plan.nozzle.limit_shape
     further_rules = [] if rule in _RULES else [rule]
     law = TRIM if plan.design is None else AUTOPILOT
     direction = IN_PLANE if plan.heading is None else FROM_SIDE
-    offered = {
+    return {
         "vehicle": ("vehicle", vehicles, vehicles[0]),
         "plane": ("plane", [*PLANES, BOTH], plan.planes),
         "stop": (
             "limit of both",
             list(LIMIT_SHAPES),
-            stop if isinstance(stop, str) else next(iter(LIMIT_SHAPES)),
+            limit_shape if isinstance(limit_shape, str) else next(iter(LIMIT_SHAPES)),
         ),
         "model": ("model", list(MODELS), plan.model),
         "shape": ("wind shape", list(SHAPES), plan.shape),
@@ -185,8 +184,6 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
         "law": ("law", list(CONTROLS), law),
         "design": ("gains", [*_RULES, *further_rules], rule),
     }
-    assert isinstance(wind, ShapedWind)
-    return offered
 
 
 def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
@@ -250,8 +247,8 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
 def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     """Return the choices that the controls specify; all else comes from the plan of the file.
 
-    `base`: that plan. `vehicle`: the chosen vehicle. `v`: values of the controls, by field. Same
-    exceptions as `StudyPlan` and the records in it.
+    `base`: that plan. `vehicle`: the chosen vehicle. `v`: values of the controls, by field.
+    `InputError` for values that the plan refuses.
     """
     both_planes = v["plane"] == BOTH
     slanting = both_planes or v["direction"] == FROM_SIDE
@@ -294,7 +291,7 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
     None for a wind or gust without a speed, and once its angle, its vehicle or direction changed.
     """
     start: Values = {k: slider.value for k, slider in sliders(base, [base.vehicle]).items()}
-    start |= {k: begin for k, (_, _, begin) in lists(base, [""]).items()}
+    start |= {k: begin for k, (_, _, begin) in lists(base, vehicles=[""]).items()}
     wind = base.wind
     assert isinstance(wind, ShapedWind)
     stays = vehicle is base.vehicle and all(

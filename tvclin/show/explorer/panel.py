@@ -230,12 +230,12 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
     shown = [*np.abs(attitude[time <= wind_end]), *np.abs(data["attitude.wind"][1])]
     tall = round_up(min(_FRAME_OVER_ATTITUDE * max(shown, default=1.0), _MAX_ATTITUDE_DEG))
     required = max([limit, *data["boundary.curve"][1], *data["boundary.point"][1]])
-    long = (0.0, round_up(max(float(time[-1]) if time.size else wind_end, 1.0)))
+    span = (0.0, round_up(max(float(time[-1]) if time.size else wind_end, 1.0)))
     deflection = round_up(1.05 * limit)
     return {
         "boundary": ((0.0, LONGEST), (0.0, round_up(1.05 * required))),
-        "attitude": (long, (-tall, tall)),
-        "deflection": (long, (-deflection, deflection)),
+        "attitude": (span, (-tall, tall)),
+        "deflection": (span, (-deflection, deflection)),
     }
 
 
@@ -317,7 +317,7 @@ class Panel:
 
         `_change`: event of the control that moved, which is not read.
         """
-        if self._setting_gains:
+        if self._setting_gains:  # by the panel itself, not by hand
             return
         if self._timer is not None:
             self._timer.cancel()
@@ -404,7 +404,7 @@ class Panel:
         tabs = widgets.Tab([widgets.VBox(group) for group in groups], selected_index=1)
         for index, name in enumerate(_GROUPS):
             tabs.set_title(index, name)
-        buttons = [self.study, *[self.end] * is_open()]
+        buttons = [self.study, self.end] if is_open() else [self.study]  # where it ends JupyterLab
         inputs = widgets.VBox(
             [tabs, widgets.HBox(buttons, layout={"flex_flow": "row wrap"})],
             layout={"flex": "0 0 340px", "margin": "0 8px 0 0"},
@@ -446,8 +446,8 @@ def _opened(source: str | Vehicle) -> tuple[str, StudyPlan, str | None]:
     whose numbers a study can hold.
     """
     if not isinstance(source, Vehicle):
-        plan = load_study(source)  # which refuses what has no name
-        pulse_of(plan)
+        plan = load_study(source)
+        pulse_of(plan)  # refuses another wind than a pulse
         in_numbers = isinstance(plan.vehicle, Vehicle) and plan.vehicle.structure is None
         return str(source), plan, None if in_numbers else str(vehicle_source(source))
     if batch := Coefficients.from_vehicle(source).batch:

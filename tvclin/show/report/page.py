@@ -114,7 +114,7 @@ def report_html(source: Study | StudyPlan | str | PathLike[str]) -> str:
 def page_of(
     plan: StudyPlan, progress: Progress | None = None, name: str = "unnamed vehicle"
 ) -> tuple[str, Findings]:
-    """Return the page of a plan, and its findings; same exceptions as `report_html`.
+    """Return the page of a plan as HTML, and its findings; `InputError` without jinja2.
 
     `progress`: called with results done and in total. `name`: title of the page where the vehicle
     has no name, such as that of its file.
@@ -152,7 +152,7 @@ def _page(findings: Findings, environment: "Environment", name: str) -> str:
         basis=verdict.basis(findings),
         facts=verdict.facts(findings),
         assumed=assumed,
-        doubts=assumptions.doubts_counted(assumed, sections.count(_DOUBT)),
+        doubts=assumptions.doubts_counted(assumed, sections.count(_DOUBT)),  # and doubtful notes
         sections=sections,
         headings=_HEADING.findall(sections),
         glossary=glossary_table(_words(sections)),
@@ -160,13 +160,16 @@ def _page(findings: Findings, environment: "Environment", name: str) -> str:
 
 
 def _names(findings: Findings) -> dict[str, Any]:
-    """Return the names of the template: findings, study, plan and the origin of the study."""
-    return {
-        "findings": findings,
-        "study": findings.study,
-        "plan": findings.plan,
-        "origin": _origin(findings),
-    }
+    """Return the names of the template: findings, study, plan and the origin of the study.
+
+    The origin is the table of the seal of the inputs and of the versions of packages.
+    """
+    rows: list[tuple[Line, ...]] = [(("inputs, SHA-256",), (findings.seal,))]
+    rows += [((name,), (version(name),)) for name in _PACKAGES]
+    rows.append((("Python",), (platform.python_version(),)))
+    origin = Table("Inputs and versions", ("what", "which"), tuple(rows))
+    study, plan = findings.study, findings.plan
+    return {"findings": findings, "study": study, "plan": plan, "origin": origin}
 
 
 def _words(sections: str) -> str:
@@ -175,14 +178,6 @@ def _words(sections: str) -> str:
 
     spaced = re.sub(r'<math [^>]*alttext="([^"]*)".*?</math>', r" \1 ", sections)
     return Markup(spaced.replace("<", " <")).striptags()
-
-
-def _origin(findings: Findings) -> Table:
-    """Return the table of the seal of the inputs of findings and of the versions of packages."""
-    rows: list[tuple[Line, ...]] = [(("inputs, SHA-256",), (findings.seal,))]
-    rows += [((name,), (version(name),)) for name in _PACKAGES]
-    rows.append((("Python",), (platform.python_version(),)))
-    return Table("Inputs and versions", ("what", "which"), tuple(rows))
 
 
 def _plane_vectors(study: Study) -> "ControlPlot | None":
@@ -287,8 +282,8 @@ def inline_svg(plot: "ControlPlot", name: str, label: str) -> "Markup":
 
     narrow(plot)
     with plt.rc_context({"svg.hashsalt": name, "svg.fonttype": "path"}):
-        nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-        drawn = figure_bytes(plot.figure, format="svg", transparent=True, metadata=nothing)
+        unmarked = dict.fromkeys(("Creator", "Date", "Format", "Type"))  # the same bytes each time
+        drawn = figure_bytes(plot.figure, format="svg", transparent=True, metadata=unmarked)
     plt.close(plot.figure)
     text = drawn.decode()
     body = text[text.index("<svg") :]
