@@ -42,6 +42,7 @@ def pytest_collection():
     try:
         return (yield)
     finally:
+        gc.freeze()  # what was collected stays to the end
         gc.enable()
 
 

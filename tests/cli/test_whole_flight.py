@@ -319,6 +319,7 @@ def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     assert max(map(len, result.output.partition("study.toml")[2].splitlines()[1:10])) <= 80
 
 
+@pytest.mark.thorough
 def test_dispersed_vehicles_fly_along_the_flight_in_drawn_soundings(folder, tmp_path) -> None:
     for day, speed, top in (("01", 55, 40000), ("02", 95, 40000), ("03", 55, 18000)):
         write_sounding(tmp_path / f"2024-01-{day}T00.csv", speed, top)

@@ -254,7 +254,7 @@ def test_a_sounding_has_its_own_wind_triangle_in_both_planes(plane) -> None:
         assert ratio[0] == pytest.approx(pressure, rel=1e-12)
 
 
-@pytest.mark.parametrize("levels", [np.arange(0.0, 31e3, 1e3), np.arange(0.0, 31e3, 3e3)])
+@pytest.mark.parametrize("levels", usual([np.arange(0.0, 31e3, 1e3), np.arange(0.0, 31e3, 3e3)], 1))
 def test_a_gap_between_levels_leaves_a_sufficient_limit_unknown(flight, levels) -> None:
     """A smaller limit is insufficient with either; only gaps at the flight times count."""
     east = np.interp(levels, [0.0, 12e3, 30e3], [0.0, 40.0, 0.0])
