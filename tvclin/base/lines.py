@@ -91,7 +91,7 @@ def labelled(label: str) -> Line:
     symbol = _SYMBOL.fullmatch(last)
     if symbol is None:
         return (label,)
-    letter, index = symbol[1], symbol[2] or symbol[3]
+    letter, index = symbol[1], symbol[2] or symbol[3]  # letters after an underscore, or a digit
     tex = f"\\{letter}" if len(letter) > 1 else letter
     return (words + space, Formula(tex + (f"_{{{index}}}" if index else ""), last))
 

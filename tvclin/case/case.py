@@ -208,7 +208,7 @@ class Case:
 
     @property
     def hardware(self) -> dict[str, Any]:
-        """Arguments of `fly_many` for a sampled law, other than its limit."""
+        """Actuator, rate limit [rad/s], delay [s] and sample rate [Hz] of flights, by name."""
         design, rate = self.autopilot_design, self.nozzle.rate_limit
         return {
             "actuator": self.nozzle.actuator,

@@ -252,14 +252,10 @@ def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
             for ratio in _FREQUENCY_RATIOS
         ]
     rules.append(replace(base, design="lqr"))  # last, for it loads python-control
-    return next(
-        (
-            rule
-            for rule in rules
-            if _satisfies(replace(case, design=rule, controller=None), criteria)
-        ),
-        None,
-    )
+    for rule in rules:
+        if _satisfies(replace(case, design=rule, controller=None), criteria):
+            return rule
+    return None
 
 
 def _satisfies(case: Case, criteria: Criteria) -> bool:

@@ -104,9 +104,9 @@ class DataSheetLine(Shown):
 
         -1 without an available value, and zero for a requirement that is not known.
         """
-        return (
-            -1.0 if self.available is None else float(np.nan_to_num(self.required / self.available))
-        )
+        if self.available is None:
+            return -1.0
+        return float(np.nan_to_num(self.required / self.available))
 
 
 @dataclass(frozen=True)

@@ -212,13 +212,9 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
     varying, frozen = float(deflections[j]), float(s.required[requirement][i, j])
     needs = degrees("assumptions.varying", varying, unit="deg")
     would = degrees("assumptions.frozen", frozen, unit="deg")
-    line: Line = (
-        still,
-        ". The whole flight counts their change:",
-        *change_text,
-        "; the wind requires ",
-    )
-    yield Assumption(state, (*line, *needs, " with it, and ", *would, " without."))
+    still += ". The whole flight counts their change:"
+    line: Line = (still, *change_text, "; the wind requires ", *needs)
+    yield Assumption(state, (*line, " with it, and ", *would, " without."))
 
 
 def _rigid(findings: Findings) -> Iterator[Assumption]:
@@ -273,15 +269,12 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
     rate_limit = findings.plan.nozzle.rate_limit
     rate_text: Line = ()
     c = findings.comparison
-    if c is not None and np.isfinite(c.peak_deflection_rate):
-        rate = degrees(
-            "assumptions.rate", c.peak_deflection_rate * findings.study.plane_ratio, unit="deg/s"
-        )
-        rate_text = (
-            " This autopilot turns the nozzle by up to ",
-            *rate,
-            " in this wind, without a stop.",
-        )
+    # rate [rad/s] of the autopilot, in both planes where both are judged
+    flown = 0.0 if c is None else c.peak_deflection_rate * findings.study.plane_ratio
+    if c is not None and np.isfinite(flown):
+        rate = degrees("assumptions.rate", flown, unit="deg/s")
+        turns = " This autopilot turns the nozzle by up to "
+        rate_text = (turns, *rate, " in this wind, without a stop.")
     if rate_limit is None:
         words = "The rate of the nozzle has no limit (rate_limit_deg_per_s in [nozzle])."
         yield Assumption("reader", (words, *rate_text))
@@ -289,8 +282,6 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
         limit_text = significant("assumptions.rate_limit", np.degrees(rate_limit), unit="deg/s")
         words = "The boundary does not count the rate limit of the nozzle, "
         counts = ". The questions of the rate and of flights do."
-        # rates [rad/s] of the autopilot, in both planes where both are judged, and of theory
-        flown = 0.0 if c is None else c.peak_deflection_rate * findings.study.plane_ratio
         theory = 0.0 if findings.rates is None else findings.rates.required_rate
         state = "doubt" if flown > rate_limit or theory > rate_limit else "ok"
         yield Assumption(state, (words, *limit_text, counts, *rate_text))
@@ -331,8 +322,6 @@ def loop_notes(findings: Findings) -> Iterator[str]:
     if margins is not None:
         satisfied = bool(findings.criteria.are_satisfied(margins))
         loop_margins = margins.margins if isinstance(margins, BandMargins) else margins
-        yield from gain_notes(
-            findings.plan, findings.criteria, satisfied, loop_margins.delay_margin
-        )
+        yield from gain_notes(plan, findings.criteria, satisfied, loop_margins.delay_margin)
     else:
-        yield from actuator_notes(findings.plan)
+        yield from actuator_notes(plan)

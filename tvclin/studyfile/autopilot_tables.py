@@ -50,11 +50,8 @@ def planes_line(findings: Findings) -> Line:
     """
     s = findings.study
     factor = number("both.factor", s.plane_ratio, 3)
-    line: Line = (
-        "Both planes together require ",
-        *factor,
-        f" times the limit of the {s.plane} plane",
-    )
+    limit_text = f" times the limit of the {s.plane} plane"
+    line: Line = ("Both planes together require ", *factor, limit_text)
     required = np.inf if findings.stop is None else _nominal_requirement(findings)
     if np.isfinite(required):
         needs = degrees("both.stop", required, unit="deg")
@@ -74,13 +71,8 @@ def failure(findings: Findings) -> Line:
     if np.isinf(required):
         return ("flown with a limit of ", *available, " or more, the autopilot does not survive")
     requirement = degrees("failure.required", required, unit="deg")
-    suffix = nominal_suffix(findings)
-    return (
-        "the autopilot requires a limit of ",
-        *requirement,
-        f", flown{suffix}, and has ",
-        *available,
-    )
+    flown = f", flown{nominal_suffix(findings)}, and has "
+    return ("the autopilot requires a limit of ", *requirement, flown, *available)
 
 
 def requirement_warnings(findings: Findings) -> Iterator[str]:

@@ -149,9 +149,9 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
         )
     design = design_of(document, folder)
     _ = turbulence_of(document, folder)  # refuses values out of range
-    head = {"cases": CASES} | CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
-    head.pop("time", None)
-    along = head.pop("along", False)
+    options = {"cases": CASES} | CAMPAIGN_TABLE.read(CAMPAIGN_TABLE.one(document))
+    options.pop("time", None)  # the vehicle has it
+    along = options.pop("along", False)
     if not isinstance(along, bool):
         raise InputError(f"along in [campaign] must be true or false; got {shown(along)}")
     if not along and design is not None and design.schedule is not None:
@@ -171,17 +171,17 @@ def parse_campaign(document: Mapping[str, Any], folder: Path = Path()) -> Campai
     nozzle = subject.pop("nozzle")
     assumed = "dispersion" not in document and isinstance(wind, ShapedWind)
     if along:
-        head["along"] = _along(document, folder, design, nozzle, subject)
+        options["along"] = _along(document, folder, design, nozzle, subject)
         time = getattr(vehicle, "time", None)
         if design is not None and time is not None:
-            design = design_at(design, head["along"].flight, float(time))
+            design = design_at(design, options["along"].flight, float(time))
     return Campaign(
         nozzle=nozzle,
         design=design,
         controller=system_of(document, CONTROLLER_TABLE, folder),
         wind=wind,
         dispersions=DEFAULT_DISPERSIONS if assumed else dispersions_of(document),
-        **(head | subject),
+        **(options | subject),
         **{_FIELDS.get(key, key): value for key, value in outputs.items()},
         **question_of(document),
     )
@@ -197,24 +197,23 @@ def _along(
     """Return the flight and the autopilot of a campaign along a flight.
 
     `document`: tables of the file; `folder`: where the files that it names are. `design`: autopilot
-    design, which must be given. `nozzle`: nozzle with its actuator. `subject`: vehicle, model and
-    plane by field. A rule for the gains is applied at even flight times, of `every_s` in [size].
+    design; None for canonical gains. `nozzle`: nozzle with its actuator. `subject`: vehicle, model
+    and plane by field. A rule for the gains is applied at even flight times, of `every_s` in
+    [size].
     """
     flight: FlightSchedule = flight_of(document, folder)["schedule"]
     size = SIZE_TABLE.read(SIZE_TABLE.one(document))
-    design = design or AutopilotDesign()
     gains = flight_autopilot(
-        design,
+        design or AutopilotDesign(),
         flight,
         even_times(*flight.span, size.get("every", EVERY_S)),
         actuator=nozzle.actuator,
         model=flexible_model(flight.structure, subject.get("model", DEFAULT_MODEL)),
         plane=subject.get("plane", "pitch"),
     )
-    autopilot = gains.autopilot
-    rate = autopilot.sample_rate or FLIGHT_SAMPLE_RATE_HZ
-    gains = replace(gains, autopilot=replace(autopilot, sample_rate=rate))
-    return FlightPlan(flight, gains)
+    rate = gains.autopilot.sample_rate or FLIGHT_SAMPLE_RATE_HZ
+    sampled = replace(gains.autopilot, sample_rate=rate)
+    return FlightPlan(flight, replace(gains, autopilot=sampled))
 
 
 def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -261,11 +260,8 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if lists and "source" in table:
         raise InputError("[schedule] has a source, and the flight itself in lists; keep one")
     if lists:
-        schedule = schedule_of(table, "[schedule]", folder)
-        return {
-            "schedule": _as_specified(schedule, document),
-            "source": "the lists in [schedule]",
-        }
+        schedule = _as_specified(schedule_of(table, "[schedule]", folder), document)
+        return {"schedule": schedule, "source": "the lists in [schedule]"}
     SOURCE_TABLE.read(table)
     study, campaign = document.get("study", {}), document.get("campaign", {})
     vehicle = study.get("vehicle", campaign.get("vehicle"))
@@ -279,9 +275,9 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     if "structure" in table:
         schedule = with_structure(schedule, table["structure"], folder)
     flight = {"schedule": _as_specified(schedule, document), "source": source}
-    named, found = isinstance(vehicle, str), vehicle_source(source, folder)
-    same = named and Path(found) == Path(vehicle_source(vehicle, folder))
-    if same or "vehicle" not in source_tables(found):  # another source is a table of flight times
+    named, file = isinstance(vehicle, str), vehicle_source(source, folder)
+    same = named and Path(file) == Path(vehicle_source(vehicle, folder))
+    if same or "vehicle" not in source_tables(file):  # a file without [vehicle] is a flight alone
         return flight
     name = vehicle if named else vehicle.get("name") or "given by its numbers"
     return flight | {"another": name}

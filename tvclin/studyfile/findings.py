@@ -163,9 +163,10 @@ class Findings:
         from tvclin.requirement.autopilot_requirement import at_peak_pressure, autopilot_boundary
 
         def requirement(size: float) -> float:
-            """Return the autopilot requirement [rad] of `size` times the head wind, along it.
+            """Return the autopilot requirement [rad] in `size` times the head wind.
 
-            Infinite where the pressure of that wind is beyond what can be computed.
+            It is flown in the head wind at the higher pressure, and scales with the wind. Infinite
+            where the pressure of that wind is beyond what can be computed.
             """
             with suppress(InputError):
                 denser = at_peak_pressure(self.plan, s, size)
@@ -299,7 +300,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
     """
     loop = plan.design or plan.criteria  # whether the autopilot is judged
     along = plan.sizing and (plan.sizing.scheduled_design or plan.design)
-    requests = {
+    requests = {  # None where one of several inputs, joined by "and", is None
         "trials": plan.laws,
         "comparison": loop,
         "flexible": plan.vehicle.structure and loop,
@@ -529,8 +530,8 @@ def _duty(plan: StudyPlan, request: SizingRequest, progress: Progress) -> Flight
     """
     from tvclin.nozzle.duty_over_flight import flight_duty
 
-    law, random = str(request.duty_law), plan.turbulence
-    return flight_duty(plan, request, law, turbulence=random, progress=progress)
+    law = str(request.duty_law)
+    return flight_duty(plan, request, law, turbulence=plan.turbulence, progress=progress)
 
 
 def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:

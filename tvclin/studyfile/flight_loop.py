@@ -176,8 +176,9 @@ class FlightLoop:
         pressure is that encountered in the wind. With a limit shape both planes fly together.
         `progress` is called with winds done and in total.
 
-        A flight whose status is "lost" diverges; `used` is NaN at the times of a wind that is not
-        survived, at all times if that is a sounding without a gust, which has no time.
+        A flight whose status is "lost" diverges. The used deflection [rad] by flight time of the
+        sizing is NaN at the times of a wind that is not survived, at all times if that is a
+        sounding without a gust, which has no time.
 
         Raises
         ------
@@ -197,7 +198,7 @@ class FlightLoop:
         for k, case in enumerate(cases):
             of_case: list[FlightOutcome] = []
             for direction in self._directions(case.wind):
-                with repeated(len(cases)):
+                with repeated(len(cases)):  # many flights are worth compiled kernels
                     flown = next(flights)
                 if flown.status != "lost" and case.time is None:  # a sounding without a gust
                     used = np.fmax(used, used_around(flown, times))
@@ -215,13 +216,12 @@ class FlightLoop:
         for outcome in outcomes:
             if outcome.survived is False:
                 used[slice(None) if outcome.time is None else times == outcome.time] = np.nan
-        unstable = self._unstable_times()
         return FlightsOfLoop(
             outcomes=tuple(outcomes),
             worst=worst_flight,
             limit=plan.nozzle.limit,
             used=used,
-            unstable_times=unstable,
+            unstable_times=self._unstable_times(),
         )
 
     def _flown(
@@ -230,7 +230,7 @@ class FlightLoop:
         """Yield the flights through winds, in the order of `cases`, with a deflection limit [rad].
 
         `cases`: winds, each with a direction: head, tail, frozen, or None where the wind has its
-        own. The stages of all pulses are computed together, and of all soundings. A pulse has its
+        own. The flights of all pulses are computed together, and of all soundings. A pulse has its
         time in itself, and its flight goes on until it settles; a measured wind also gets the time
         [s] of its gust, and its flight ends with the sizing.
         """
@@ -349,7 +349,7 @@ class FlightLoop:
         for name, wind in self.request.winds(self.plan).items():
             if isinstance(wind, MeasuredWind | MeasuredPlanes):
                 for time in [None] if wind.gust is None else times:
-                    yield _Wind(name, time, wind, None)
+                    yield _Wind(name, time, wind, start=None)
                 continue
             for time in times:
                 vehicle = self.flight.at(time).rigid
@@ -360,7 +360,8 @@ class FlightLoop:
                     placed = PlaneWind(**{plane: w.in_flight for plane, w in planes.items()})
                 else:
                     placed = place(wind, vehicle, time, PEAK, 1.0).in_flight
-                yield _Wind(name, time, placed, max(float(placed.onset), self.flight.span[0]))
+                start = max(float(placed.onset), self.flight.span[0])
+                yield _Wind(name, time, placed, start=start)
 
     def _directions(self, wind: FlownWind) -> tuple[str | None, ...]:
         """Return the directions in which a wind is flown: head and tail, or the one of the plan.

@@ -317,9 +317,8 @@ def _flight(findings: Findings) -> Question:
     if total.sufficient is None:
         line = (f"required deflection of {flight} not known {', '.join(total.not_sized)}",)
     limit = findings.study.limit
-    if total.too_slow and (
-        limit is None or covers(limit, total.required)
-    ):  # the angle is sufficient
+    angle_is_sufficient = limit is None or covers(limit, total.required)
+    if total.too_slow and angle_is_sufficient:
         least = f"the least rate {OF_RAMP} with which the limit is sufficient"
         line = (f"{least} for {flight}", reserve)
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
@@ -408,11 +407,8 @@ def _probability(findings: Findings, limit: float) -> Question:
         return Question("probability", False, (*flights, " require more than any limit"))
     if np.isinf(r.upper) and success is not None:
         upper = number("answer.success", 100.0 * success.upper, 2)
-        return Question(
-            "probability",
-            False,
-            ("sufficient in at most ", *upper, " %, not in ", *flights),
-        )
+        words: Line = ("sufficient in at most ", *upper, " %, not in ", *flights)
+        return Question("probability", False, words)
     line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
     whose = f"{text(flights)} require"
     return Question("probability", yes, line, required_deflection=float(r.upper), whose=whose)
@@ -435,7 +431,6 @@ def _autopilot(findings: Findings, limit: float) -> Question:
         return Question(name, None, (beyond,))
     peak = without_stop(findings)
     turns = degrees("answer.autopilot", peak, unit="deg")
-    line: Line
     free: Line = ("without a limit the autopilot would turn the nozzle by ", *turns)
     if findings.study.judges_both_planes:
         free += (" in both planes",)
@@ -446,10 +441,10 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     requirement = findings.autopilot_requirement
     if requirement is None:  # it cannot be flown: sufficient is what the loop never exceeds
         within = True if covers(limit, peak) and rate <= max_rate else None
-        line = (f"{_reason(findings, 'stop')}; ", *free)
-        return Question(name, within, line, required_deflection=peak, whose=whose)
+        why: Line = (f"{_reason(findings, 'stop')}; ", *free)
+        return Question(name, within, why, required_deflection=peak, whose=whose)
     yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
-    line = ("flown with its stop; ", *free)
+    line: Line = ("flown with its stop; ", *free)
     if np.isinf(nominal):
         line = ("no limit that was tried survives; ", *free)
     elif requirement.head is not None:
@@ -605,10 +600,8 @@ def _flexible(findings: Findings) -> Question:
     f = findings.flexible
     if f is None or f.flight is None:
         return Question("flexible flight", None, (_reason(findings, "flexible"),))
-    stop = (
-        f" with the {findings.study.plane} plane's part of the stop"
-        * findings.study.judges_both_planes
-    )
+    part = f" with the {findings.study.plane} plane's part of the stop"
+    stop = part if findings.study.judges_both_planes else ""
     flexible, rigid = f.flight.outcomes
     flown = f"flown {NOMINAL} and {f.sample_rate:g} Hz{stop}"
     line: Line = (f"{flown} the flexible vehicle {flexible}",)

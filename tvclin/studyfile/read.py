@@ -146,12 +146,11 @@ def load_sizing(
         document = source_tables(source)
         of_flight = _of_a_vehicle(document) or is_flight(source)
         plan = _flight_of_a_vehicle(source, winds) if of_flight else load_study(source)
-        if plan.sizing is None:
+        sizing = plan.sizing
+        if sizing is None:
             raise InputError(
                 f"{called(source)} has no flight; add [schedule], see tvclin init --study"
             )
-        sizing = plan.sizing
-        assert sizing is not None
         winds = {**sizing.soundings, **winds}
         return replace(plan, sizing=replace(sizing, soundings=winds))
     flight = load_schedule(source)
@@ -177,9 +176,9 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
             f"{called(name)} has the numbers of its vehicle, and no flight with them: name a"
             " vehicle file with a table [flight]"
         )
-    from tvclin.studyfile.campaign_file import vehicle_source
+    from tvclin.studyfile import campaign_file
 
-    return vehicle_source(vehicles[0], Path(name).parent)
+    return campaign_file.vehicle_source(vehicles[0], Path(name).parent)
 
 
 def _flight_of_a_vehicle(

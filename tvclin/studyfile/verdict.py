@@ -111,11 +111,8 @@ def _required(study: Study) -> Line:
         return (_NONE,)
     if need >= np.pi / 2:
         return ("This wind requires more than 90 deg of deflection, which no nozzle has",)
-    return (
-        "This wind requires ",
-        *degrees("verdict.required", need, unit="deg"),
-        " of deflection",
-    )
+    required = degrees("verdict.required", need, unit="deg")
+    return ("This wind requires ", *required, " of deflection")
 
 
 def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
@@ -177,12 +174,8 @@ def basis(findings: Findings) -> Line:
     if s.beyond_linear or findings.dispersed is None or findings.dispersed.success is None:
         return line
     percent = number("basis.success", 100.0 * findings.dispersed.success.estimate, 2, "%")
-    return (
-        *line,
-        " With vehicle and wind dispersed the limit is sufficient in ",
-        *percent,
-        " of cases.",
-    )
+    words = " With vehicle and wind dispersed the limit is sufficient in "
+    return (*line, words, *percent, " of cases.")
 
 
 def _meets_the_stop(findings: Findings) -> Line:
@@ -325,9 +318,8 @@ def unjudged_values(findings: Findings) -> Iterator[Question]:
     if findings.availability is not None and findings.availability.limit is not None:
         request = findings.plan.availability
         if request is not None and request.least_part is None:
-            words = (
-                f"{findings.availability.fraction()}; no least_part is specified in [availability]"
-            )
+            fraction = findings.availability.fraction()
+            words = f"{fraction}; no least_part is specified in [availability]"
             yield Question("availability", None, (words,))
 
 

@@ -111,10 +111,8 @@ class ShapedWind:
         of vehicles, an unknown plane, and a speed that makes no wind angle.
         """
         instance("vehicle", vehicle, Vehicle, "see load_vehicle")
-        velocity, attitude = (
-            number("velocity", vehicle.velocity),
-            number("attitude", vehicle.attitude),
-        )
+        velocity = number("velocity", vehicle.velocity)
+        attitude = number("attitude", vehicle.attitude)
         speed = number("speed", speed, unit="m/s")
         one_of("plane", plane, PLANES)
         if self.heading is None:

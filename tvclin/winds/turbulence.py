@@ -204,6 +204,7 @@ class Turbulence(Record):
         else:
             low_wind = errors.number("wind_at_20_ft", wind_at_20_ft, errors.nonnegative, "m/s")
         exponents = -np.log10(_PROBABILITIES)
+        # intensity [ft/s] of this probability at each altitude of the table
         high = [np.interp(exponent, exponents, row) for row in np.transpose(_INTENSITIES_FT_PER_S)]
         low_ft, table_ft = np.array(_LOW_ALTITUDES_FT, float), np.array(_ALTITUDES_FT, float)
         errors.one_of("component", component, COMPONENTS)

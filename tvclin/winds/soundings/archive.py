@@ -114,9 +114,8 @@ class Soundings:
         if offsets[0] != 0 or offsets[-1] != size or np.any(np.diff(offsets) < 0):
             raise errors.InputError(f"offsets must rise from 0 to {size}, the number of levels")
         ascending = np.diff(self.height) > 0.0
-        ascending[offsets[(offsets > 0) & (offsets < size)] - 1] = (
-            True  # from the top of one sounding to the next
-        )
+        # from the top of one sounding to the next
+        ascending[offsets[(offsets > 0) & (offsets < size)] - 1] = True
         if not np.all(ascending):
             position = int(np.argmin(ascending)) + 1
             raise errors.InputError(

@@ -405,6 +405,7 @@ def collect_levels(
     )
     without_height = np.flatnonzero(has_wind & np.isnan(rows.height))
     interpolated, heights = _interpolated_levels(rows, without_height)
+    # indices and heights of the levels that count, by sounding and height
     index, level = _by_height(
         rows.sounding,
         np.concatenate([ascending, interpolated]),

@@ -193,6 +193,7 @@ def synthetic_profile(
     distance_to_calm = np.interp(peak, drop, layer)
     distances = np.append(layer[layer < distance_to_calm], distance_to_calm)
     speeds = np.maximum(peak - np.interp(distances, layer, drop), 0.0)
+    # below the peak in reverse order, and without the distance of zero
     heights = np.concatenate([centre - distances[:0:-1], centre + distances])
     profile_speeds = np.concatenate([speeds[:0:-1], speeds])
     return WindProfile(
