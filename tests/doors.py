@@ -1128,6 +1128,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "gust": gust,
                 "notes": ("calm",),
                 "speeds": None,
+                "gaps": encountered.gaps,
             },
         ),
         "MeasuredWind.__call__": Door(tv.ascent.MeasuredWind(sampled), {"vehicle": booster}),

@@ -144,9 +144,15 @@ def test_a_vehicle_is_dispersed_as_its_study(tmp_path):
     assert "these dispersions are assumed: thrust (truncated, 1 %)" in shown.output
 
 
-def test_in_a_sounding_the_vehicle_alone_is_dispersed():
+def test_in_a_sounding_the_vehicle_alone_is_dispersed(tmp_path):
     """The deflections of a loop over vehicles, at nominal dynamic pressure."""
-    wind = Path(__file__).parents[1] / "soundings" / "wyoming.txt"
+    sparse = tv.read_sounding(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
+    wind, heights = tmp_path / "wind.csv", np.arange(sparse.height[0], 4e4, 1e3)
+    heights = np.union1d(heights, sparse.height)  # up to 40 km, without gaps
+    east, north = (np.interp(heights, sparse.height, v) for v in (sparse.east, sparse.north))
+    rows = [",".join(map(repr, row)) for row in np.stack([heights, east, north], -1).tolist()]
+    text = "\n".join(["height_m,east_m_per_s,north_m_per_s", *rows, ""])
+    wind.write_text(text, encoding="utf-8")
     given = ("--winds", wind, "--azimuth-deg", 90, "--set", "study.sign=frozen", "--cases", 5)
     document = json.loads(run("configuration-i", *given, "--model", "fixed-path", "--json").stdout)
     assert not any(name.startswith("wind") for name in document["drivers"])

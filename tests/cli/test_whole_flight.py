@@ -321,8 +321,9 @@ def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
 
 @pytest.mark.thorough
 def test_dispersed_vehicles_fly_along_the_flight_in_drawn_soundings(folder, tmp_path) -> None:
-    for day, speed, top in (("01", 55, 40000), ("02", 95, 40000), ("03", 55, 18000)):
-        write_sounding(tmp_path / f"2024-01-{day}T00.csv", speed, top)
+    days = (("01", 55, 40000), ("02", 95, 40000), ("03", 55, 18000), ("04", 55, 40000, 3000))
+    for day, *jet in days:  # the last has gaps
+        write_sounding(tmp_path / f"2024-01-{day}T00.csv", *jet)
     study = folder / "dispersed.toml"
     text = (folder / "study.toml").read_text(encoding="utf-8")
     further = '[campaign]\nalong = true\nmethod = "latin"\n'  # which draws each sounding once
@@ -332,16 +333,16 @@ def test_dispersed_vehicles_fly_along_the_flight_in_drawn_soundings(folder, tmp_
     )
     words = ("--azimuth-deg", "90", "--limit-deg", "0.6")
     csv = folder / "cases.txt"
-    done = run("disperse", study, "--winds", tmp_path, *words, "--cases", "3", "--csv", csv)
+    done = run("disperse", study, "--winds", tmp_path, *words, "--cases", "4", "--csv", csv)
     assert (done.exit_code, "in each wind" in done.output) == (1, True), done.output
     survived = {True: "1.0", False: "0.0", None: "nan"}
     flown = json.loads(
         run("fly", folder / "study.toml", "--winds", tmp_path, *words, "--json").stdout
     )
     expected = [survived[flight["survived"]] for flight in flown["flights"]]
-    assert expected == ["1.0", "0.0", "nan"]
+    assert expected == ["1.0", "0.0", "nan", "nan"]
     cases = [line.split(",") for line in csv.read_text(encoding="utf-8").splitlines()[1:]]
-    assert {int(case[2]) for case in cases} == {0, 1, 2}
+    assert {int(case[2]) for case in cases} == {0, 1, 2, 3}
     assert all((case[3] or "nan") == expected[int(case[2])] for case in cases)
 
 

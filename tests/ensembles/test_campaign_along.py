@@ -119,16 +119,17 @@ def test_a_campaign_along_a_flight_is_resumed_and_replayed(tmp_path, columns) ->
     assert replay.extremes_flown["largest_attitude_deg"] == np.degrees(peak)
 
 
+def jet(speed: float, cross: float, top: float) -> tv.WindProfile:
+    """Return a jet of a speed and a cross wind [m/s] at 9 km, with levels up to `top` [m]."""
+    height = np.arange(0.0, top + 1.0, 1e3)
+    ratio = np.interp(height, [0.0, 9e3, min(top, 2e4)], [0.0, 1.0, 0.0])
+    return tv.WindProfile(height=height, east=speed * ratio, north=cross * ratio)
+
+
 def test_soundings_are_drawn_with_their_own_direction() -> None:
     made = flight(flexible=False)
-    height = np.array([0.0, 9e3, 2e4, 4e4])
     soundings = [
-        tv.fly_through(
-            tv.WindProfile(height=height, east=[0, speed, 0, 0], north=[0, 5, 0, 0]),
-            made,
-            azimuth=np.pi / 2,
-        )
-        for speed in (-30.0, 25.0)
+        tv.fly_through(jet(speed, 5.0, 4e4), made, azimuth=np.pi / 2) for speed in (-30.0, 25.0)
     ]
     winds = SoundingEnsemble.of(soundings)
     nozzle = tv.Nozzle(limit=0.2, rate_limit=RATE)
@@ -154,9 +155,8 @@ def test_soundings_are_drawn_with_their_own_direction() -> None:
 
 
 def test_a_flight_in_a_sounding_that_ends_before_it_is_never_survived() -> None:
-    made, height = flight(flexible=False), np.array([0.0, 9e3, 1.5e4])
-    profile = tv.WindProfile(height=height, east=[0, 20, 0], north=[0, 0, 0])
-    sounding = tv.fly_through(profile, made, azimuth=np.pi / 2)
+    made = flight(flexible=False)
+    sounding = tv.fly_through(jet(20.0, 0.0, 1.5e4), made, azimuth=np.pi / 2)
     assert sounding.known[1] == pytest.approx(70.625)  # the flight is at 15 km
     request = campaign(
         wind=SoundingEnsemble.of([sounding]),

@@ -5,6 +5,7 @@ import pytest
 
 import tvclin as tv
 from tests.turns import usual
+from tvclin.winds.shaped import FixedWind
 
 VEHICLE = tv.load_vehicle("configuration-i")
 NOZZLE = tv.Nozzle(limit=np.radians(0.4), rate_limit=np.radians(0.5), actuator=None)
@@ -126,3 +127,15 @@ def test_no_rate_is_sufficient_for_an_autopilot_that_is_lost_without_a_rate_limi
     assert tv.nozzle.flown_required_rate(case, law) == np.inf
     with pytest.raises(tv.InputError, match="needs a nozzle with a limit"):
         tv.nozzle.flown_required_rate(tv.Case(vehicle=VEHICLE), law)
+
+
+def test_no_law_survives_for_sure_in_a_wind_that_is_not_known_throughout():
+    wind, nozzle = tv.TriangularWind(peak=0.03, duration=5.0), tv.Nozzle(limit=0.02, rate_limit=0.1)
+    vehicle = tv.load_vehicle("configuration-i")
+    survives = []
+    for unknown in ("", "the wind is not known from 3 to 6 km"):
+        case = tv.Case(vehicle=vehicle, wind=FixedWind(wind, unknown), nozzle=nozzle)
+        (found,) = tv.nozzle.flown_trade_offs({"": case}, [0.1], laws=("trim",), cuts=0).values()
+        survives.append(found.survives)
+        assert any(unknown in note for note in found.notes)
+    assert survives == [{"trim": True}, None]

@@ -17,7 +17,7 @@ from tvclin.winds import wind_angles
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.pulses import SampledWind, checked_gust
-from tvclin.winds.soundings.profile import WindProfile, wind_angles_along
+from tvclin.winds.soundings.profile import WindProfile, gap_words, wind_angles_along
 
 GustOf = History | Callable[[Vehicle], History]
 """A gust, or a function from a vehicle to its gust: a wind speed has another angle for each."""
@@ -95,6 +95,38 @@ class FlightWind(wind_angles.NominalWind):
 
 
 @dataclass(frozen=True, eq=False)
+class SoundingGaps:
+    """Gaps between the levels of a sounding along a flight, in which the wind is not known.
+
+    `height`: heights [m] of the levels below and above each gap, ``(gaps, 2)``. `time`: flight
+    times [s] at these heights, ``(gaps, 2)``, of a flight that ascends.
+    """
+
+    height: FloatArray
+    time: FloatArray
+
+    def __post_init__(self) -> None:
+        """Set heights and times to arrays of two columns, also where there is no gap."""
+        for name in ("height", "time"):
+            value = np.reshape(np.asarray(getattr(self, name), dtype=float), (-1, 2))
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def of(cls, profile: WindProfile, schedule: FlightSchedule) -> SoundingGaps:
+        """Return the gaps of a profile along a flight; see `WindProfile.gaps`."""
+        times = np.interp(profile.gaps, schedule.height, schedule.times)
+        return cls(profile.gaps, times)
+
+    def between(self, first: float, last: float) -> str:
+        """Return the gaps that a flight crosses between two times [s], in words; often empty."""
+        return gap_words(self.height[(self.time[:, 0] < last) & (self.time[:, 1] > first)])
+
+
+NO_GAPS = SoundingGaps(np.empty((0, 2)), np.empty((0, 2)))
+"""Gaps of a sounding without any."""
+
+
+@dataclass(frozen=True, eq=False)
 class MeasuredWind:
     """A wind in flight time, of which a vehicle at a flight time gets the part that counts.
 
@@ -118,6 +150,8 @@ class MeasuredWind:
     speeds : SoundingSpeeds, optional
         Speeds of the sounding, which with varying parameters give wind angle of attack and dynamic
         pressure; without them the dynamic pressure is nominal.
+    gaps : SoundingGaps
+        Gaps of the sounding, in which the wind is not known.
     """
 
     wind: SampledWind
@@ -125,6 +159,7 @@ class MeasuredWind:
     gust: GustOf | None = None
     notes: tuple[str, ...] = ()
     speeds: SoundingSpeeds | None = None
+    gaps: SoundingGaps = NO_GAPS
 
     def __post_init__(self) -> None:
         """Check the fields; `InputError` for another type, a batch, and a window not positive."""
@@ -136,6 +171,7 @@ class MeasuredWind:
         object.__setattr__(self, "notes", each("notes", self.notes, str, "one for each remark"))
         if self.speeds is not None:
             instance("speeds", self.speeds, SoundingSpeeds, "see fly_through")
+        instance("gaps", self.gaps, SoundingGaps, "see fly_through")
 
     @property
     def known(self) -> tuple[float, float]:
@@ -204,6 +240,11 @@ class MeasuredPlanes:
         """The first and the last flight time [s] at which the wind is known."""
         return next(iter(self.parts.values())).known
 
+    @property
+    def gaps(self) -> SoundingGaps:
+        """Gaps of the sounding, in which the wind is not known."""
+        return next(iter(self.parts.values())).gaps
+
     def __call__(self, vehicle: Vehicle) -> PlaneWind:
         """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
         calm = next(iter(self.parts.values())).wind * 0.0
@@ -243,6 +284,20 @@ class MeasuredPlanes:
         return dict.fromkeys(PLANES, 0.0) | {
             plane: float(angle[at] / size[at]) for plane, angle in angles.items()
         }
+
+
+def unknown_between(wind: MeasuredWind | MeasuredPlanes, first: float, last: float) -> str:
+    """Return why a measured wind is not known between two flight times, in words; often empty.
+
+    It is known from its first sample to its last, except in gaps of the sounding; a flight through
+    the rest is not known to be survived. `first`, `last`: flight times [s].
+    """
+    begin, end = wind.known
+    if first < begin or end < last:
+        low, high = np.ceil(100.0 * begin) / 100.0, np.floor(100.0 * end) / 100.0
+        return f"the wind is known from {low:.10g} to {high:.10g} s alone"
+    gaps = wind.gaps.between(first, last)
+    return f"the wind is not known {gaps}" if gaps else ""
 
 
 def fly_through(
@@ -327,9 +382,14 @@ def fly_through(
         k: _speeds(profile, bias, schedule, azimuth, wind.time) if pressure else None
         for k, wind in winds.items()
     }
+    gaps = SoundingGaps.of(profile, schedule)
     if plane != BOTH:
-        return MeasuredWind(winds[plane], window, gust=gust, notes=notes, speeds=speeds[plane])
-    parts = {k: MeasuredWind(wind, window, speeds=speeds[k]) for k, wind in winds.items()}
+        return MeasuredWind(
+            winds[plane], window, gust=gust, notes=notes, speeds=speeds[plane], gaps=gaps
+        )
+    parts = {
+        k: MeasuredWind(wind, window, speeds=speeds[k], gaps=gaps) for k, wind in winds.items()
+    }
     return MeasuredPlanes(parts, gust=gust, notes=notes)
 
 

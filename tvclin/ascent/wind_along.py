@@ -18,6 +18,7 @@ from tvclin.ascent.measured_wind import (
     MeasuredWind,
     SoundingSpeeds,
     fly_through,
+    unknown_between,
 )
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
@@ -268,16 +269,6 @@ def _sounding_in_planes(
     return winds
 
 
-def sounding_gaps(profile: WindProfile, flight: FlightSchedule, first: float, last: float) -> str:
-    """Return the gaps of a sounding that a flight crosses between two times, in words.
-
-    In gaps (`WindProfile.gaps_between`) the wind is not known; empty without one. `profile`: the
-    sounding. `first`, `last`: times of flight [s].
-    """
-    low, high = np.interp([first, last], flight.times, flight.height).tolist()
-    return profile.gaps_between(low, high)
-
-
 WINDOW_S = 20.0
 """Default length [s] of the part of a sounding that counts, about the time of the vehicle."""
 _TIME = "the vehicle's time"
@@ -347,13 +338,15 @@ class SoundingWind(VehicleWind):
                 " beyond is not counted"
             )
 
-    def gaps(self, vehicle: Any) -> str:
-        """Return the gaps of the sounding within the window of a vehicle, in words; often empty.
+    def unknown(self, vehicle: Any, plane: str) -> str:
+        """Return why the wind is not known within the window of a vehicle, in words; often empty.
 
-        `vehicle`: has the time of flight.
+        Times before the schedule begins, and after it ends, have no flight. `vehicle`: has the time
+        of flight. `plane`: pitch or yaw.
         """
         time, half = self._time(vehicle), self.window / 2
-        return sounding_gaps(self.profile, self.schedule, time - half, time + half)
+        ends = np.clip([time - half, time + half], *self.schedule.span).tolist()
+        return unknown_between(self._along(plane), *ends)
 
     def _along(self, plane: str) -> MeasuredWind:
         """Return the wind in a plane, pitch or yaw, along the whole flight."""

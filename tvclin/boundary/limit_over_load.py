@@ -283,7 +283,7 @@ class LoadLimits:
         if not self._programmed:
             return self.load_floor
         load, _ = self._minimum_load
-        return load
+        return max(load, self.load_floor)  # rounding is not below the floor
 
     @cached_property
     def load_floor(self) -> float:

@@ -207,6 +207,13 @@ class Case:
         return wind if isinstance(wind, History) else wind.history({})
 
     @property
+    def unknown_wind(self) -> str:
+        """Reason why survival is not known in the wind, a sounding with gaps; often empty."""
+        if isinstance(self.wind, VehicleWind):
+            return self.wind.unknown(self.vehicle, self.plane)
+        return self.wind.unknown if isinstance(self.wind, FixedWind) else ""
+
+    @property
     def hardware(self) -> dict[str, Any]:
         """Actuator, rate limit [rad/s], delay [s] and sample rate [Hz] of flights, by name."""
         design, rate = self.autopilot_design, self.nozzle.rate_limit

@@ -217,13 +217,14 @@ class FlownLoad(Shown):
         ratio = 0.0 if bound is None else bound.ratio  # of the moment's slopes, deflection to alpha
         loads = np.abs(flight.angle_of_attack + ratio * flight.deflection)
         worst = int(np.argmax(loads))
-        time = float(flight.times[worst])
-        return flown(status=flight.status, load=float(loads[worst]), time=time)
+        time, unknown = float(flight.times[worst]), case.unknown_wind and flight.status == SURVIVED
+        status = NOT_KNOWN if unknown else flight.status
+        return flown(status=status, load=float(loads[worst]), time=time)
 
     @property
     @derived()
     def survives_within(self) -> bool | None:
-        """Whether the law survives within the bound; None beyond linear aerodynamics."""
+        """Whether the law survives within the bound; None where that is not known."""
         if self.status == NOT_KNOWN:
             return None
         return self.status == SURVIVED and (self.bound is None or self.load <= self.bound)

@@ -204,7 +204,8 @@ def _campaign(
         if campaign.along is None:
             sounding = winds.sounding_of(campaign, source)
             assert sounding is not None
-            wind = FixedWind(sounding.history(campaign.vehicle, campaign.plane))
+            in_plane = campaign.vehicle, campaign.plane
+            wind = FixedWind(sounding.history(*in_plane), sounding.unknown(*in_plane))
             campaign = replace(campaign, wind=wind)
         else:
             campaign = _in_soundings(campaign, winds, source)

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.nominal_flight import FlightCondition
-from tvclin.ascent.wind_along import SoundingWind
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.lines import Table
 from tvclin.base.quantities import NOMINAL, survival
@@ -197,10 +196,8 @@ class Flying:
 
     @property
     def unknown_wind(self) -> str:
-        """Reason why survival is not known in the wind: gaps of a sounding; often empty."""
-        wind = self.plan.wind
-        gaps = wind.gaps(self.plan.vehicle) if isinstance(wind, SoundingWind) else ""
-        return f"the wind is not known {gaps}" if gaps else ""
+        """Reason why survival is not known in the wind, a sounding with gaps; often empty."""
+        return self.plan.unknown_wind
 
     @property
     def unknown_suffix(self) -> str:

@@ -243,8 +243,9 @@ def over_rate(
 
     with waiting("flying"):
         flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
-        autopilot_rate = None  # beyond linearity too
-        if AUTOPILOT in names and not beyond_linear(float(case.history.peak)):
+        autopilot_rate = None  # beyond linearity, and in a wind that is not known, too
+        unknown = beyond_linear(float(case.history.peak)) or case.unknown_wind
+        if AUTOPILOT in names and not unknown:
             autopilot_rate = flown_required_rate(case, limited_law(case, AUTOPILOT))
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):

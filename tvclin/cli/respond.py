@@ -115,8 +115,9 @@ class BoundedTrim:
 
     @property
     def survived(self) -> bool | None:
-        """Whether the limit survives at this pressure; None beyond linear aerodynamics."""
-        return None if self.beyond_linear else bool(covers(self.limit, self.nominal))
+        """Whether the limit survives at this pressure; None where that is not known."""
+        survived = bool(covers(self.limit, self.nominal))
+        return None if self.beyond_linear or (survived and self.case.unknown_wind) else survived
 
     @property
     def outcome(self) -> str:
@@ -124,7 +125,8 @@ class BoundedTrim:
         ratio = f", {self.limit / self.nominal:.4g} times that" if self.nominal else ""
         required = f"{np.degrees(self.nominal):.3f} deg required {NOMINAL} by {self.governs}"
         limit = f"limit {np.degrees(self.limit):.3f} deg{ratio}"
-        return f"{survival(self.survived)}: {required}; {limit}"
+        unknown = f"; {self.case.unknown_wind}" if self.case.unknown_wind else ""
+        return f"{survival(self.survived)}: {required}; {limit}{unknown}"
 
     @property
     def beyond_linear(self) -> str:

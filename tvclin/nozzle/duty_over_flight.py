@@ -76,7 +76,7 @@ class FlownDuty(Shown):
 
     `status`: outcome of the flight; see `fly_many`. `duty`: the duty until 15 time constants of the
     fast mode after the wind; None for a flight that does not survive, and in a wind beyond linear
-    aerodynamics. `notes`: on the design of the law, and on omitted terms.
+    aerodynamics or with gaps. `notes`: on the design of the law, and on omitted terms.
     """
 
     law: str = field(metadata=spec())
@@ -100,21 +100,25 @@ class FlownDuty(Shown):
             return cls(law=name, status=NOT_KNOWN, duty=None, notes=(), verdict=unknown_verdict)
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
         notes, duties, diverged = tuple(design_notes(law)), [], []
-        reason = flight_reason(case.plant, flight.status)
+        reason, status = flight_reason(case.plant, flight.status), flight.status
+        if status == SURVIVED and case.unknown_wind:
+            reason, status = case.unknown_wind, NOT_KNOWN
         if flight.times.size and not reason:
             duties = [duty_of_motion(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
             notes = (*notes, *duties[0].notes, *actuator_notes(case.nozzle.actuator))
-        if flight.status != SURVIVED and not reason:
-            diverged = [f"{name} {OUTCOME_WORDS[flight.status]}"]
+        if status != SURVIVED and not reason:
+            diverged = [f"{name} {OUTCOME_WORDS[status]}"]
         travel = duties[0].travel if duties else np.nan
-        unknown = [f"the flight of {name}: {reason}"] if reason else []
-        required = requirements_on_nozzle(case.nozzle, duties, travel) if duties or diverged else {}
+        required = requirements_on_nozzle(case.nozzle, duties, travel)
+        verdict = NozzleVerdict.of(case.nozzle, required, diverged)
+        if reason:
+            verdict = NozzleVerdict.unknown_of(case.nozzle, [f"the flight of {name}: {reason}"])
         return cls(
             law=name,
-            status=flight.status,
+            status=status,
             duty=duties[0] if duties else None,
             notes=notes,
-            verdict=NozzleVerdict.of(case.nozzle, required, diverged, unknown),
+            verdict=verdict,
         )
 
     @property
@@ -231,6 +235,10 @@ def flight_duty(
             for in_plane in placed.values():
                 if not in_plane.known:
                     unknown.setdefault(name, {})[time] = in_plane.why
+            if isinstance(wind, MeasuredWind | MeasuredPlanes):
+                gaps = wind.gaps.between(*edges[i : i + 2].tolist())
+                if gaps and time not in unknown.get(name, {}):
+                    unknown.setdefault(name, {})[time] = f"the wind is not known {gaps}"
             angles[name] = max(angles[name], angle_at(placed, time))
             sign = j < len(signed) and signed[j]
             points += conditions.points(i, time, name, placed, sign, _measured(wind))

@@ -50,7 +50,8 @@ class FlownTradeOff(Shown):
     `minimum` is that of theory at the same rates, with the nozzle's point. `limits` are the
     minimum deflection limits [rad] of each law at each rate limit, ``(n,)``, infinite where none
     survives up to three times the largest trim deflection; `monotone` is whether every limit that
-    was tried above one that survives survives as well.
+    was tried above one that survives survives as well. `unknown_wind`: why parts of the wind are
+    not known, in words; empty where it is known.
     """
 
     minimum: RateTradeOff = field(
@@ -59,6 +60,7 @@ class FlownTradeOff(Shown):
     limits: dict[str, FloatArray] = field(metadata=spec("angle", card=False))
     monotone: dict[str, BoolArray] = field(metadata=spec(card=False))
     cuts: int = field(metadata=spec())
+    unknown_wind: str = ""
 
     @property
     @derived("angle")
@@ -79,7 +81,8 @@ class FlownTradeOff(Shown):
         required, limit = self.required, self.minimum.limit
         if required is None or limit is None or self.minimum.beyond_linear:
             return None
-        return {name: limit >= value for name, value in required.items()}
+        survived = {name: limit >= value for name, value in required.items()}
+        return None if self.unknown_wind and any(survived.values()) else survived
 
     def tables(self) -> tuple[Table, ...]:
         """Return the limit of each law at each rate, with the bound without a forecast."""
@@ -109,6 +112,8 @@ class FlownTradeOff(Shown):
             " for each rate limit; none: with no limit a flight survives up to three times the"
             " largest trim deflection"
         )
+        if self.unknown_wind:
+            yield f"survival is not known: {self.unknown_wind}"
         if not all(np.all(monotone) for monotone in self.monotone.values()):
             yield "*: some lower limits survive as well; above this one all that were tried survive"
 
@@ -201,6 +206,7 @@ def flown_trade_offs(
                 name: np.array([x.monotone for x in row]) for name, row in boundaries.items()
             },
             cuts=cuts,
+            unknown_wind=case.unknown_wind,
         )
 
     return {key: answer(case, minima[key]) for key, case in cases.items()}

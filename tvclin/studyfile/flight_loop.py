@@ -10,9 +10,9 @@ from typing import Any, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
-from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind, unknown_between
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.ascent.wind_along import sounding_gaps, wind_along
+from tvclin.ascent.wind_along import wind_along
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError, between, number
@@ -42,7 +42,7 @@ from tvclin.requirement.flight.deflection_use import (
 )
 from tvclin.requirement.flight.flight_winds import PEAK, place, place_vector
 from tvclin.requirement.flight.request import SizingRequest
-from tvclin.requirement.flight.sizing import Sizing, flight_times, hundredths
+from tvclin.requirement.flight.sizing import Sizing, flight_times
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH, PLANES
@@ -377,19 +377,15 @@ class FlightLoop:
     def _omitted(self, case: _Wind) -> str:
         """Return why survival in a wind is not known throughout, in words; empty if it is.
 
-        A sounding is known between its first and its last level, except in gaps between levels; the
-        flight of the sizing may begin before and end after. A pulse is known throughout.
+        The flight of the sizing may begin before a sounding, end after it, and cross its gaps. A
+        pulse is known throughout.
         """
         if not isinstance(case.wind, MeasuredWind | MeasuredPlanes):
             return ""
-        (first, last), (low, high) = self.flight.span, case.wind.known
-        first, last = _or(self.request.start, first), _or(self.request.stop, last)
-        if low <= first and last <= high:
-            profile = self.request.soundings[case.name].profile
-            gaps = sounding_gaps(profile, self.flight, first, last)
-            return f"the wind is not known {gaps}" if gaps else ""
-        begin, end = hundredths(low, up=True), hundredths(high, up=False)
-        return f"the wind is known from {begin} to {end} s alone (--set size.from_s, size.to_s)"
+        first, last = self.flight.span
+        ends = _or(self.request.start, first), _or(self.request.stop, last)
+        unknown = unknown_between(case.wind, *ends)
+        return f"{unknown} (--set size.from_s, size.to_s)" if unknown else ""
 
 
 def within_linear_range(flown: FlightAlong) -> FlightAlong:

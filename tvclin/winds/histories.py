@@ -461,3 +461,10 @@ class VehicleWind(ABC):
     @abstractmethod
     def history(self, vehicle: Any, plane: str) -> History:
         """Return the wind angle of attack [rad] of a vehicle in a plane."""
+
+    def unknown(self, vehicle: Any, plane: str) -> str:
+        """Return why parts of the wind are not known, in words; empty where it is known.
+
+        `vehicle`, `plane`: as in `history`.
+        """
+        return ""

@@ -48,10 +48,12 @@ BEYOND = f"wind beyond linear aerodynamics, counted as not survived; {BEYOND_LIN
 ENCOUNTERED_UNKNOWN = (
     "wind angle or dynamic pressure encountered not known, counted as not survived"
 )
+UNKNOWN_WIND = "wind not known throughout, counted as not survived"
 UNDECIDED = (
-    "undecided, counted as not survived; the flight was not settled when it or its wind ended"
+    "undecided, counted as not survived; the flight was not settled when it or its wind ended, or"
+    " the wind is not known throughout"
 )
-NOT_KNOWN = (BEYOND, ENCOUNTERED_UNKNOWN, UNDECIDED)
+NOT_KNOWN = (BEYOND, ENCOUNTERED_UNKNOWN, UNKNOWN_WIND, UNDECIDED)
 """Statuses of cases that no deflection is known to survive: their requirement is infinite."""
 
 
@@ -206,6 +208,8 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
             paired = np.any([is_pair for _, is_pair in map(leading_pole, plants)], axis=0)
             status[which[np.broadcast_to(stable, which.shape)]] = STABLE
             status[which[np.broadcast_to(paired, which.shape)]] = PAIRED
+            if campaign.unknown_wind:
+                status[which] = UNKNOWN_WIND
             status[which[np.broadcast_to(~within_linear(selected.wind_angle), which.shape)]] = (
                 BEYOND
             )

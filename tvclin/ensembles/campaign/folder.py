@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.ascent.measured_wind import MeasuredWind, SoundingSpeeds
+from tvclin.ascent.measured_wind import MeasuredWind, SoundingGaps, SoundingSpeeds
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.structure_schedule import StructureSchedule
 from tvclin.base.arrays import AnyArray
@@ -69,7 +69,7 @@ _KINDS: dict[str, Any] = {
         *(Vehicle, Structure, BendingMode, SloshTank, Engine),
         *(ShapedWind, FixedWind, WindEnsemble, Piecewise, Pieces, LinearSystem),
         *(FlightPlan, FlightSchedule, StructureSchedule, GainSchedule, ModeNotch, Autopilot),
-        *(SoundingEnsemble, MeasuredWind, SoundingSpeeds, SampledWind, dict),
+        *(SoundingEnsemble, MeasuredWind, SoundingSpeeds, SoundingGaps, SampledWind, dict),
     )
 }
 """Classes of the values that a manifest holds, by name."""

@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.measured_wind import unknown_between
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import WindAlong, wind_along
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import naming
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
 from tvclin.base.quantities import REQUIRED as REQUIRED_DEFLECTION
@@ -265,24 +266,34 @@ def _fates(flown: FlownCases) -> dict[str, Any]:
 def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     """Return `COLUMNS` of a batch of n cases along their whole flights, ``(n,)`` each.
 
-    They are for the worse direction of the wind. A flight through a sounding that does not reach
-    over its whole time is never survived: `flight_survived` is 0 if it diverges, else NaN.
+    They are for the worse direction of the wind. A flight through a sounding that is not known over
+    its whole time is never survived: `flight_survived` is 0 if it diverges, else NaN.
     """
     assert campaign.along is not None
-    first, last = campaign.along.span
     by_case = [flights_along(campaign, batch, case) for case in range(batch.count)]
     flights = [flight for of_case in by_case for flight in of_case]
     # index of the first flight of each case
     starts = np.cumsum([0, *(len(of_case) for of_case in by_case[:-1])])
     limits = (np.full(len(flights), x) for x in limits_along(campaign))
     fates = _fates(fly_together(flights, np.arange(len(flights)), *limits))
-    begins, ends = np.array([flight.wind.known for flight in flights]).T
     survived = fates.pop("flight_survived")
-    survived[((begins > first) | (ends < last)) & (survived != 0.0)] = np.nan
     diverged = np.maximum.reduceat(survived == 0.0, starts)
-    return {"flight_survived": np.where(diverged, 0.0, np.minimum.reduceat(survived, starts))} | {
+    known = np.where(_wind_unknown(campaign, batch), np.nan, np.minimum.reduceat(survived, starts))
+    return {"flight_survived": np.where(diverged, 0.0, known)} | {
         name: np.maximum.reduceat(values, starts) for name, values in fates.items()
     }
+
+
+def _wind_unknown(campaign: Campaign, batch: Batch) -> BoolArray | bool:
+    """Return whether the soundings of n cases are not known over the whole flight, ``(n,)``.
+
+    False for other winds, which are known.
+    """
+    if not isinstance(campaign.wind, SoundingEnsemble) or campaign.along is None:
+        return False
+    span = campaign.along.span
+    unknown = [bool(unknown_between(wind, *span)) for wind in campaign.wind.soundings]
+    return np.array(unknown)[np.asarray(batch.values.get("wind", 0), dtype=int)]
 
 
 def limits_along(campaign: Campaign) -> tuple[float, float]:
@@ -372,15 +383,16 @@ def compute(campaign: Campaign, batch: Batch, *, case_by_case: bool) -> dict[str
 
     `case_by_case`: compute the outputs that take a single case at a time, or else the others.
 
-    In a wind beyond linear aerodynamics no deflection is known to be sufficient: it is infinite,
-    and a flight counts as lost. `InputError` when a case has no answer.
+    In a wind beyond linear aerodynamics, and in one that is not known throughout, no deflection is
+    known to be sufficient: it is infinite, and a flight counts as lost. `InputError` when a case
+    has no answer.
     """
     outputs: dict[str, Any] = {}
     for name in campaign.outputs:
         if REGISTRY[name].case_by_case(campaign) == case_by_case:
             with naming(f"output {name}"):
                 outputs |= REGISTRY[name].work(campaign, batch)
-    shape, beyond = (batch.count,), ~within_linear(batch.wind_angle)
+    shape, beyond = (batch.count,), ~within_linear(batch.wind_angle) | bool(campaign.unknown_wind)
     return {
         name: np.broadcast_to(values, shape)
         if name.startswith("margin_")

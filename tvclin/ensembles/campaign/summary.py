@@ -103,8 +103,9 @@ class CampaignSummary(Shown):
         count = int(np.sum(self.unknown))
         if not count:
             return ""
-        nominal = study_requirement(self.results.campaign)
-        of_nominal = "" if nominal is None else nominal.unknown
+        campaign = self.results.campaign
+        nominal = study_requirement(campaign)
+        of_nominal = campaign.unknown_wind or ("" if nominal is None else nominal.unknown)
         of_cases = f"in {count} of {self.unknown.size} cases the requirement is not known"
         return "; ".join(filter(None, (of_nominal, of_cases)))
 

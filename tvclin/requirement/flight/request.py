@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.ascent.measured_wind import GustOf, fly_through, gust_at, gust_of_speed
+from tvclin.ascent.measured_wind import GustOf, SoundingGaps, fly_through, gust_at, gust_of_speed
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.ascent.wind_along import sounding_gaps
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import checked, file_table, flag, quantity, text, word
@@ -469,7 +468,7 @@ class SizingRequest:
         half = 0.5 * (self.window or 0.0)
         first, last = float(times.min()) - half, float(times.max()) + half
         gaps = {
-            name: sounding_gaps(sounding.profile, self.schedule, first, last)
+            name: SoundingGaps.of(sounding.profile, self.schedule).between(first, last)
             for name, sounding in self.soundings.items()
         }
         return tuple(f"{gap}, in a gap of {name}" for name, gap in gaps.items() if gap)

@@ -120,6 +120,18 @@ def longest_interval(times: FloatArray, good: BoolArray) -> slice:
     return max(runs, key=lambda run: times[run.stop - 1] - times[run.start], default=slice(0, 0))
 
 
+def gap_words(gaps: FloatArray) -> str:
+    """Return gaps of a sounding in words: the widest, and the number of others; empty for none.
+
+    `gaps`: heights [m] of the levels below and above each gap, ``(gaps, 2)``.
+    """
+    if not gaps.size:
+        return ""
+    lower, upper = gaps[np.argmax(np.diff(gaps))] / 1e3
+    others = f" and in {plural(len(gaps) - 1, 'other gap')}" if len(gaps) > 1 else ""
+    return f"from {lower:.3g} to {upper:.3g} km{others}"
+
+
 def checked_flight(flight: FlightPath) -> list[FloatArray]:
     """Return time [s], height [m], speed [m/s] and path angle [rad] of a flight, ``(n,)`` each.
 
@@ -239,14 +251,17 @@ class WindProfile(Record):
         is not known; empty without one. `InputError` for heights that are no numbers.
         """
         bottom, top = errors.number("low", low, unit="m"), errors.number("high", high, unit="m")
-        gaps = np.stack([self.height[:-1], self.height[1:]], axis=-1)
-        wide = np.diff(gaps)[:, 0] > MAX_LEVEL_DISTANCE
-        wide &= (gaps[:, 0] < top) & (gaps[:, 1] > bottom)
-        if not np.any(wide):
-            return ""
-        lower, upper = gaps[wide][np.argmax(np.diff(gaps[wide]))] / 1e3
-        others = f" and in {plural(int(wide.sum()) - 1, 'other gap')}" if wide.sum() > 1 else ""
-        return f"from {lower:.3g} to {upper:.3g} km{others}"
+        gaps = self.gaps
+        return gap_words(gaps[(gaps[:, 0] < top) & (gaps[:, 1] > bottom)])
+
+    @property
+    def gaps(self) -> FloatArray:
+        """Heights [m] of the levels below and above each gap, ``(gaps, 2)``.
+
+        In a gap, between levels more than `MAX_LEVEL_DISTANCE` apart, the wind is not known.
+        """
+        levels = np.stack([self.height[:-1], self.height[1:]], axis=-1)
+        return levels[np.diff(levels)[:, 0] > MAX_LEVEL_DISTANCE]
 
     def in_plane(self, azimuth: float) -> FloatArray:
         """Return the wind component along a direction of flight [m/s], positive a tail wind.
