@@ -232,13 +232,9 @@ def flight_duty(
             placed = placed_in_planes(
                 conditions.planes, wind, vehicle, time, placing="peak", window=1.0
             )
-            for in_plane in placed.values():
-                if not in_plane.known:
-                    unknown.setdefault(name, {})[time] = in_plane.why
-            if isinstance(wind, MeasuredWind | MeasuredPlanes):
-                gaps = wind.gaps.between(*edges[i : i + 2].tolist())
-                if gaps and time not in unknown.get(name, {}):
-                    unknown.setdefault(name, {})[time] = f"the wind is not known {gaps}"
+            reasons = {in_plane.why for in_plane in placed.values() if not in_plane.known}
+            if reasons or (gaps := _gaps(wind, *edges[i : i + 2].tolist())):
+                unknown.setdefault(name, {})[time] = reasons.pop() if reasons else gaps
             angles[name] = max(angles[name], angle_at(placed, time))
             sign = j < len(signed) and signed[j]
             points += conditions.points(i, time, name, placed, sign, _measured(wind))
@@ -436,6 +432,15 @@ def _duties(
 def _measured(wind: Any) -> bool:
     """Return whether a wind was measured over the heights of the flight."""
     return isinstance(wind, MeasuredWind | MeasuredPlanes)
+
+
+def _gaps(wind: Any, start: float, stop: float) -> str:
+    """Return why a wind is not known between two flight times [s]: gaps of a sounding, or empty.
+
+    A pulse has no gaps. `start`, `stop`: ends of the interval about a flight time.
+    """
+    gaps = wind.gaps.between(start, stop) if _measured(wind) else ""
+    return f"the wind is not known {gaps}" if gaps else ""
 
 
 def _verdict(
