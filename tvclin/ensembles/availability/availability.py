@@ -143,7 +143,6 @@ def availability(
         soundings = soundings.with_utc_offset(utc_offset)
     judge = Judge.of(
         flight,
-        soundings,
         plane=plane,
         model=model,
         azimuths=azimuths,
@@ -176,7 +175,6 @@ def availability(
             *(*soundings.notes, *growth_notes, *flight_notes),
             *_judged(judge, required.judged),
             *unmeasured_notes(judge, soundings),
-            *_gaps(judge, soundings),
             *_seasons(soundings, required.reasons),
         ),
         reasons=tuple(required.reasons),
@@ -236,36 +234,20 @@ def unmeasured_notes(judge: Judge, soundings: Soundings) -> list[str]:
     path = judge.path
     winds = sounding_winds.SoundingWinds.of(soundings[soundings.usable], path)
     low, high = path.height[[0, -1]].tolist()
-    below, above, gaps = winds.bottom > low, winds.top < high, winds.has_wide_gaps
+    below, above, gaps = winds.bottom > low, winds.top < high, winds.has_gaps
     count, total = int(np.sum(below | above | gaps)), below.size
     if not count:
         return []
     where = [
         *[f"below {1e-3 * winds.bottom.max():.3g} km"] * bool(np.any(below)),
         *[f"above {1e-3 * winds.top.min():.3g} km"] * bool(np.any(above)),
-        *["in wide gaps"] * bool(np.any(gaps)),
+        *["in gaps of more than 2 km"] * bool(np.any(gaps)),
     ]
     whose = "the wind" if total == 1 else f"the wind of {count} of {total} soundings"
     return [
         f"{whose} is not measured {' and '.join(where)}: to be sufficient, a limit must survive"
         f" {MAX_WIND_SPEED:g} m/s against the vehicle there (less where its angle would not be"
         " linear)"
-    ]
-
-
-def _gaps(judge: Judge, soundings: Soundings) -> list[str]:
-    """Return a note on gaps in which a wind may be stronger than the upper bound assumes.
-
-    `judge` has the path of the flight, along which the gaps of `soundings` between levels count.
-    """
-    winds = sounding_winds.SoundingWinds.of(soundings[soundings.usable], judge.path)
-    count, gap = int(np.sum(winds.has_bounded_gaps)), 1e-3 * sounding_winds.MAX_BOUNDED_DISTANCE
-    if not count:
-        return []
-    return [
-        f"in gaps of more than 2 km the wind is not known; {count} soundings have gaps of at most"
-        f" {gap:g} km, in which one stronger than at both edges, and than 95 % of the archive, is"
-        " not counted"
     ]
 
 

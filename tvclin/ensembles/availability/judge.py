@@ -1,9 +1,8 @@
 """Required deflections of the soundings of an archive: bounds, equal where all wind is known.
 
 Where the wind of a sounding is not known, two winds are computed: a calm; and a wind against the
-vehicle, as strong as any that a sounding may have, or, in gaps up to `MAX_BOUNDED_DISTANCE`, as the
-stronger one of both edges, or as the 95 % quantile of the archive at that height, if that is
-stronger. The required deflection is at most the larger of both requirements (`marched_winds`).
+vehicle, as strong as any that a sounding may have. The required deflection is at most the larger of
+both requirements (`marched_winds`).
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.ensembles.availability.marched_winds import Additions, MarchedWinds, PlaneMarch
 from tvclin.ensembles.availability.sounding_winds import (
-    MAX_BOUNDED_DISTANCE,
     FlightPath,
     LineWinds,
     SoundingWinds,
@@ -42,8 +40,6 @@ UNUSABLE, TOO_LOW, TOO_HIGH, TOO_FAST, TOO_SHORT, TOO_FLAT = (
 )
 _MAX_LEVELS_PER_MARCH = 60_000
 """Levels of soundings that are marched together: their steps fill some megabytes."""
-_STRENGTH_HEIGHTS = 40
-"""Heights of a flight at which the strength of winds in an archive is computed."""
 _KNOWN_TOLERANCE = 1e-9
 """Relative difference of requirements below which an unknown wind does not matter."""
 
@@ -102,10 +98,6 @@ class Judge:
         Limit shape of both planes.
     known_to : float or None
         Height [m] to which each sounding must go.
-    heights : ndarray
-        Heights [m] of `strength`.
-    strength : dict
-        Quantiles of 95 % of the wind speeds of an archive [m/s] at `heights`, by plane and azimuth.
     """
 
     flight: FlightSchedule
@@ -116,14 +108,11 @@ class Judge:
     azimuths: FloatArray
     limit_shape: str
     known_to: float | None
-    heights: FloatArray
-    strength: dict[tuple[str, float], FloatArray]
 
     @classmethod
     def of(
         cls,
         flight: FlightSchedule,
-        soundings: Soundings,
         *,
         plane: str,
         model: str,
@@ -134,7 +123,7 @@ class Judge:
         pressure: bool,
         **options: Any,
     ) -> Judge:
-        """Return the judge of a flight, with the strength of winds from an archive of soundings.
+        """Return the judge of a flight.
 
         `plane`: pitch, yaw or both. `model`: name of the linear model. `azimuths`: directions of
         flight [rad], ``(a,)``. `growth`: growth of winds until launch. `gust`, `gust_speed`: gust
@@ -143,9 +132,6 @@ class Judge:
         and `known_to`. Same exceptions as `FlightMode` and `FlightPath`.
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
-        usable = SoundingWinds.of(soundings[soundings.usable], path)
-        evenly = np.linspace(path.time[0], path.time[-1], _STRENGTH_HEIGHTS)
-        heights = np.interp(evenly, path.time, path.height)
         return cls(
             flight,
             path,
@@ -153,12 +139,6 @@ class Judge:
             _judged_interval(flight, model, planes),
             planes,
             azimuths,
-            heights=heights,
-            strength={
-                (plane, azimuth): usable.strength(heights, azimuth, plane)
-                for plane in planes
-                for azimuth in azimuths.tolist()
-            },
             **options,
         )
 
@@ -372,14 +352,13 @@ class Judge:
         low, high = np.clip(within, first, last).T[..., np.newaxis]  # (n, 1) each
         height = np.clip(soundings.breakpoints(interval.path, strong), low, high)
         speeds = {  # calm where nothing of the interval is judged
-            plane: (low < high)
-            * soundings.interpolated(soundings.wind(azimuth, plane, strong), height)
+            plane: (low < high) * soundings.interpolated(soundings.wind(azimuth, plane), height)
             for plane in PLANES
         }
         along = LineWinds(np.interp(height, interval.path.height, interval.path.time), speeds)
         for plane, march in interval.marches.items():
             p = self.planes.index(plane)
-            for sign, winds in self._of_signs(along, plane, soundings, height, azimuth, strong):
+            for sign, winds in self._of_signs(along, plane, soundings, height, strong):
                 for gusty in march.with_gusts(winds, sign, self.additions):
                     bounds = march.bounds(gusty, pressure)
                     yield p, MarchedWinds(march, gusty, bounds, pressure)
@@ -390,12 +369,11 @@ class Judge:
         plane: str,
         soundings: SoundingWinds,
         height: FloatArray,
-        azimuth: float,
         strong: bool,
     ) -> Iterator[tuple[float, LineWinds]]:
         """Iterate over signs, and winds with growth and a strong unknown wind of this sign.
 
-        `along`: winds of `soundings` towards `azimuth` [rad] over time, at heights `height` [m],
+        `along`: winds of `soundings` over time, at heights `height` [m],
         ``(n, k)``, to be changed in `plane`. `strong`: whether a wind that is not known is strong,
         or calm. A single sign stands for both where nothing is added to the winds.
         """
@@ -405,11 +383,8 @@ class Judge:
         wind, growth = along.speeds[plane], self.additions.grown(height)
         unknown, size = np.zeros(height.shape, dtype=bool), wind
         if strong:
-            usual = np.interp(height, self.heights, self.strength[plane, azimuth])
-            # where no level is near, any wind that is judged may blow; else the archive bounds it
-            unbounded = soundings.unknown(height, MAX_BOUNDED_DISTANCE)
-            strongest = np.where(unbounded, self.path.fastest_wind(height), usual)
-            unknown, size = soundings.unknown(height), np.maximum(np.abs(wind), strongest)
+            unknown = soundings.unknown(height)
+            size = np.maximum(np.abs(wind), self.path.fastest_wind(height))
         judged = np.ptp(height, axis=1, keepdims=True) > 0.0
         for sign in (1.0, -1.0):
             speed = judged * (np.where(unknown, sign * size, wind) + sign * growth)

@@ -152,15 +152,10 @@ def grown_by(
     return scale * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]
 
 
-MAX_BOUNDED_DISTANCE = 3000.0
-"""Largest distance of two levels [m] between which an unknown wind is bounded by both and by the
-archive: above that of the mandatory pressure levels up to 50 hPa."""
 _EDGE_DISTANCE = 0.01
 """Distance [m] of the additional levels from the edges of an unknown wind."""
 _SOUNDING_OFFSET = 1e6
 """Offset [m] between the heights of successive soundings, where all are in one array."""
-_STRENGTH_QUANTILE = 0.95
-"""Quantile of known wind speeds at a height that a strong unknown wind has."""
 _MIN_WIND_M_PER_S = np.sqrt(np.finfo(float).tiny)
 """Speed [m/s] whose square is below all numbers: a slower wind in a plane counts as calm."""
 _GUST_SEGMENTS = 64
@@ -324,53 +319,28 @@ class SoundingWinds:
 
         It does if it has a gap, or begins above the path, or ends below its top.
         """
-        gap = self._with_gaps(self.gaps)
-        return gap | (self.bottom > path.height[0]) | (self.top < path.height[-1])
+        return self.has_gaps | (self.bottom > path.height[0]) | (self.top < path.height[-1])
 
     @property
-    def has_bounded_gaps(self) -> BoolArray:
-        """Whether a sounding has a gap of at most `MAX_BOUNDED_DISTANCE`, ``(n,)``."""
-        return self._with_gaps(self.gaps[self._gap_distance <= MAX_BOUNDED_DISTANCE])
-
-    @property
-    def has_wide_gaps(self) -> BoolArray:
-        """Whether a sounding has a gap of more than `MAX_BOUNDED_DISTANCE`, ``(n,)``."""
-        return self._with_gaps(self.gaps[self._gap_distance > MAX_BOUNDED_DISTANCE])
-
-    @property
-    def _gap_distance(self) -> FloatArray:
-        """Distance [m] of the measured levels at both sides of each gap, in the order of `gaps`."""
-        # the measured levels above and below the two that are added in a gap
-        return np.asarray(self.height[self.gaps + 2] - self.height[self.gaps - 1])
-
-    def _with_gaps(self, gaps: IntArray) -> BoolArray:
-        """Return whether soundings have one of the gaps, ``(n,)``.
-
-        `gaps`: indices of the lower levels of the gaps, as in the attribute.
-        """
+    def has_gaps(self) -> BoolArray:
+        """Whether a sounding has a gap along the path, ``(n,)``."""
         has_gap = np.zeros(self.offsets.size - 1, dtype=bool)
         # each level belongs to the sounding with the last offset at or below it
-        has_gap[np.searchsorted(self.offsets, gaps, side="right") - 1] = True
+        has_gap[np.searchsorted(self.offsets, self.gaps, side="right") - 1] = True
         return has_gap
 
-    def wind(self, azimuth: float, plane: str, strong: bool) -> FloatArray:
+    def wind(self, azimuth: float, plane: str) -> FloatArray:
         """Return the wind in a plane [m/s] at the levels of all soundings.
 
         `azimuth`: direction of flight [rad], from north, clockwise. `plane`: "pitch" for the wind
         along the path, positive from behind, "yaw" for that across it, positive from the right.
-        Gaps are calm, or, with `strong`, have the stronger wind of both edges.
+        Gaps are calm.
         """
         sine, cosine = np.sin(azimuth), np.cos(azimuth)
         wind = self.east * sine + self.north * cosine
         if plane == "yaw":
             wind = self.north * sine - self.east * cosine
-        wind = np.where(np.abs(wind) < _MIN_WIND_M_PER_S, 0.0, wind)
-        if self.gaps.size:
-            below, above = wind[self.gaps - 1], wind[self.gaps + 2]
-            stronger = np.where(np.abs(below) > np.abs(above), below, above)
-            # at both added levels of a gap
-            wind[self.gaps] = wind[self.gaps + 1] = stronger if strong else 0.0
-        return np.asarray(wind)
+        return np.where(np.abs(wind) < _MIN_WIND_M_PER_S, 0.0, wind)
 
     def linear_heights(self, path: FlightPath, more: Callable[[FloatArray], Any]) -> FloatArray:
         """Return the lowest and the highest height [m] at which winds can be judged, ``(n, 2)``.
@@ -396,33 +366,17 @@ class SoundingWinds:
         inside = (ends[:, :1] <= path.densest) & (path.densest <= ends[:, 1:])
         return np.where(inside, ends, np.nan)
 
-    def unknown(self, height: FloatArray, distance: float = 0.0) -> BoolArray:
+    def unknown(self, height: FloatArray) -> BoolArray:
         """Return whether the wind at heights [m] is not measured, ``(n, k)``.
 
         `height`: k heights for each sounding, ``(n, k)``. The wind is not measured beyond the
-        levels, and in gaps wider than `distance` [m].
+        levels, and in gaps.
         """
-        gaps = self.gaps[self._gap_distance > distance]
         # one within a gap and zero outside, interpolated as a wind is
         edge = np.zeros(self.height.size)
-        edge[gaps] = edge[gaps + 1] = 1.0
+        edge[self.gaps] = edge[self.gaps + 1] = 1.0
         outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
         return np.asarray(outside | (self.interpolated(edge, height) > 0.5))
-
-    def strength(self, heights: FloatArray, azimuth: float, plane: str) -> FloatArray:
-        """Return the 95 % quantile of wind speeds [m/s] at heights [m], ``(h,)``.
-
-        It is of the soundings that are known at a height; zero where none is. `azimuth`: direction
-        of flight [rad]. `plane`: "pitch" for the wind along the path, "yaw" for that across it.
-        """
-        height = np.broadcast_to(heights, (self.offsets.size - 1, heights.size))
-        speed = np.abs(self.interpolated(self.wind(azimuth, plane, strong=False), height))
-        speed[self.unknown(height)] = np.inf
-        speed.sort(axis=0)
-        count = np.sum(np.isfinite(speed), axis=0)
-        index = np.maximum(np.ceil(_STRENGTH_QUANTILE * count).astype(np.int64) - 1, 0)
-        quantile = speed[index, np.arange(index.size)] if speed.size else np.zeros(index.size)
-        return np.where(count > 0, quantile, 0.0)
 
     def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
         """Return the heights [m] of levels and of rows of the flight, ascending, ``(n, k)``.
