@@ -302,7 +302,10 @@ def varying_requirement(
         highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
     if dead_band == 1.0:
         limit, time = trim_and_demand.limit_of_trim_law(paired)
-        required = _of_flights(motion, equations, encountered, trim_and_demand, limit, minimum)
+        steps = times, wind, ratio
+        required = _of_flights(
+            motion, equations, encountered, steps, trim_and_demand, limit, minimum
+        )
     else:
         required = np.minimum(np.maximum(limit, within_dead_band), highest)
         required = np.maximum(required, minimum)
@@ -395,6 +398,7 @@ def _of_flights(
     motion: Motion,
     equations: Equations,
     encountered: Encounter | Sequence[Encounter],
+    steps: tuple[FloatArray, ...],
     trim_and_demand: Curves,
     limit: FloatArray,
     minimum: FloatArray,
@@ -402,9 +406,12 @@ def _of_flights(
     """Return the required deflections [rad] with K = 1, ``(n,)``, by flights where these decide.
 
     `motion`: vehicle, with its equations at any times; `equations` are those at the steps.
-    `encountered`: winds as the vehicle encounters them. `limit`: the largest min(trim, demand)
-    [rad] of the curves `trim_and_demand`. `minimum`: minimum peaks [rad] of any control.
+    `encountered`: winds as the vehicle encounters them; `steps`: times [s], wind angles [rad] and
+    q/q_n over the steps. `limit`: the largest min(trim, demand) [rad] of the curves
+    `trim_and_demand`. `minimum`: minimum peaks [rad] of any control.
 
+    Where the curves decide and the path drifts, a single flight confirms the limit, through the
+    wind as its parabolas over the steps. A flight that diverges makes flights decide.
     For an aerodynamically stable vehicle with an unstable path the law may not return the path to
     equilibrium with any limit: flights then end with the wind, where the limit must reduce the
     unstable component.
@@ -414,15 +421,17 @@ def _of_flights(
     required = np.maximum(limit, minimum)
     if not np.any(finite & (flown | equations.drifts)):
         return required
-    wind_times, *wind_and_ratio = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
-    times, wind, ratio = with_calm_after(equations, wind_times, *wind_and_ratio)
-    flights = LimitedFlights(motion.at_steps(times), times, wind, ratio)
-    if equations.drifts:  # the curves decide unless a flight with a little more diverges
-        finite_cases = np.flatnonzero(finite)
-        tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[finite_cases, np.newaxis]
-        flown[finite_cases] |= flights.diverge(tried, finite_cases)[:, 0]
+    confirmed = np.flatnonzero(finite & ~flown)
+    if equations.drifts and confirmed.size:
+        times, wind, ratio = (_at_substeps(values) for values in steps)
+        flights = LimitedFlights(motion.at_steps(times), times, wind, ratio)
+        tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[confirmed, np.newaxis]
+        flown[confirmed] = flights.diverge(tried, confirmed)[:, 0]
     which = np.flatnonzero(flown & finite)
     if which.size:
+        wind_times, *wind_and_ratio = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
+        times, wind, ratio = with_calm_after(equations, wind_times, *wind_and_ratio)
+        flights = LimitedFlights(motion.at_steps(times), times, wind, ratio)
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
         required[which] = flights.select(which).requirement(low[which], high[which])
         stable = equations.nominal[:, -1, -1, 1, 0] < 0.0  # mu_alpha at the end of the last step
@@ -431,6 +440,16 @@ def _of_flights(
             flights = LimitedFlights(motion.at_steps(wind_times), wind_times, *wind_and_ratio)
             required[never] = flights.select(never).requirement(low[never], high[never])
     return required
+
+
+def _at_substeps(values: FloatArray) -> FloatArray:
+    """Return values at begin, middle and end of the `FLIGHT_SUBSTEPS` of steps, ``(n, S, 3)``.
+
+    `values`: those of the steps, ``(n, S, 3)``, between which they are parabolas.
+    """
+    u = (np.arange(FLIGHT_SUBSTEPS)[:, np.newaxis] + [0.0, 0.5, 1.0]).ravel() / FLIGHT_SUBSTEPS
+    weights = [(2.0 * u - 1.0) * (u - 1.0), 4.0 * u * (1.0 - u), (2.0 * u - 1.0) * u]
+    return np.asarray(values @ np.array(weights)).reshape(len(values), -1, 3)
 
 
 def decided_by_flights(
