@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.base import lines
 from tvclin.base.arrays import FloatArray
@@ -48,7 +47,8 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     omega)|, with the exact delay. The peak is bracketed among frequencies around all roots and gain
     crossovers and refined to about 1e-12 of its value for well separated roots. For a flexible
     plant, which has no polynomials, it is the norm of python-control with the Pade approximation of
-    `Autopilot.close`. With the open loop's L = N/D, and n/D from wind to deflection, G = n/(D + N).
+    `Autopilot.close`. With the open loop's L = N/D, and n/D from wind to deflection, the closed
+    loop has G = n/(D + N).
     """
     margins = loop_margins(autopilot.exact_loop(plant))
     if not margins.stable:
@@ -64,11 +64,10 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
 
     def negative_gain(omega: FloatArray) -> FloatArray:
         """Return -|G(j omega)|, to be minimised, at frequencies [rad/s]."""
-        terms = loop.form.parts(omega.reshape(1, -1))  # N e^(-s delay) and D
-        returned, denominator = (term.reshape(omega.shape) for term in terms)
-        return -np.abs(polynomials.value(numerator, 1j * omega) / (denominator + returned))
+        N, D = (term.reshape(omega.shape) for term in loop.form.parts(omega.reshape(1, -1)))
+        return -np.abs(polynomials.value(numerator, 1j * omega) / (D + N))  # N with its delay
 
-    grid = grid_frequencies(loop.form, stability(loop.form))[0]  # of the first and only loop
+    (grid,) = grid_frequencies(loop.form, stability(loop.form))  # of one loop
     ratios = np.concatenate([1.0 - _CROSSOVER_OFFSETS, 1.0 + _CROSSOVER_OFFSETS])
     frequencies = np.multiply.outer(margins.crossings.gain_frequencies, ratios).ravel()
     omega = np.unique(np.concatenate([[0.0], grid[np.isfinite(grid)], frequencies]))
@@ -78,8 +77,8 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     direct = abs(numerator[0] / loop.denominator[0]) if same_degree else 0.0
     k = 1 + np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] < values[2:]))
     if k.size:  # peaks between the frequencies next to the highest ones
-        ends = omega[k - 1], omega[k + 1]
-        peaks = grid_minimum(negative_gain, *ends, PEAK_REFINEMENTS, smooth=True)[1]
+        before, after = omega[k - 1], omega[k + 1]
+        _, peaks = grid_minimum(negative_gain, before, after, PEAK_REFINEMENTS, smooth=True)
         values = np.append(values, peaks)
     return float(max(-values.min(), direct))
 
@@ -194,40 +193,33 @@ def _worst(deflections: Callable[[FloatArray], FloatArray], durations: FloatArra
 
     values = deflections(durations)
     top = int(np.argmax(values))
-    ends = (0, durations.size - 1)
-    worst = WorstDuration(float(durations[top]), float(values[top]), top in ends)
+    at_end = top in (0, durations.size - 1)
+    worst = WorstDuration(float(durations[top]), float(values[top]), at_range_end=at_end)
+    # Maxima that may be the highest of all: a maximum is taken to exceed its highest sample by no
+    # more than this sample exceeds its lower neighbour.
+    before, middle, after = values[:-2], values[1:-1], values[2:]
+    bound = 2.0 * middle - np.minimum(before, after)
+    possible = (middle >= before) & (middle >= after) & (bound >= values.max())
     tolerance = {"xatol": _DURATION_TOLERANCE * durations[0]}
-    for k in _summits(values):
+    for k in (1 + np.flatnonzero(possible)).tolist():
         bounds = durations[k - 1], durations[k + 1]
         maximum = minimize_scalar(
             lambda duration: -deflections(np.array([duration]))[0], bounds=bounds, options=tolerance
         )
         if -maximum.fun > worst.peak_deflection:
-            worst = WorstDuration(float(maximum.x), float(-maximum.fun), False)
+            worst = WorstDuration(float(maximum.x), float(-maximum.fun), at_range_end=False)
     return worst
-
-
-def _summits(values: FloatArray) -> list[int]:
-    """Return the indices of samples next to a maximum that may be the highest of all.
-
-    `values`: samples ``(n,)``. A maximum exceeds its sample by no more than the sample exceeds its
-    lower neighbour.
-    """
-    before, middle, after = values[:-2], values[1:-1], values[2:]
-    bound = 2.0 * middle - np.minimum(before, after)
-    high = (middle >= before) & (middle >= after) & (bound >= values.max())
-    return (1 + np.flatnonzero(high)).tolist()
 
 
 def _durations(A: FloatArray, low: float, high: float) -> FloatArray:
     """Return durations [s] ``(n,)`` that resolve every oscillation of a loop until it decays.
 
-    `A`: matrix of the closed loop [1/s], stable; a mode counts as decayed at e^-5, and has six
+    `A`: state matrix of the closed loop, stable; a mode counts as decayed at e^-5, and has six
     durations in each of its periods, 750 at most. `low`, `high`: shortest and longest duration [s].
     """
     grids = [np.geomspace(low, high, _GRID_DURATIONS)]
     for pole in np.linalg.eigvals(A):
-        last = min(_DECAY_EXPONENT / -pole.real, high)
+        last = min(_DECAY_EXPONENT / -pole.real, high)  # [s]
         if pole.imag > 0.0 and last > low:
             count = int((last - low) * pole.imag / (2.0 * np.pi) * _PER_PERIOD) + 2
             grids.append(np.linspace(low, last, min(count, _MAX_PER_MODE)))
@@ -312,11 +304,12 @@ class TrimComparison(Shown):
             Smallest deflection limit [rad] with which the autopilot survives in flight.
         """
         flown = {} if stop is None else {"stop": (f"{REQUIREMENT}, flown", stop)}
-        deflections = {
+        boundaries = {f"K{K:g}": (f"boundary, K = {K:g}", y) for K, y in self.boundaries.items()}
+        deflections = {  # label and deflection [rad] by key
             "deflection": ("this autopilot, without a limit", self.peak_deflection),
             **flown,
             "trim": (STATIC_TRIM, self.trim_deflection),
-            **{f"K{K:g}": (f"boundary, K = {K:g}", y) for K, y in self.boundaries.items()},
+            **boundaries,
             "minimum": (WIND_KNOWN, self.minimum),
         }
         trim = self.trim_deflection or np.nan
@@ -348,10 +341,10 @@ class TrimComparison(Shown):
         "speed", label="steady drift in a constant wind of that peak", card=False, document=False
     )
     def steady_drift_rate(self) -> float | None:
-        """Steady drift rate [m/s] in a constant wind of this peak, of feedback of lateral motion.
+        """Steady drift rate [m/s], normal to the path, in a constant wind of this peak.
 
-        None for an autopilot without gains on it, an unstable loop, and a plant without a path
-        of its own; see `steady_drift`.
+        None for an autopilot without gains on drift and acceleration, an unstable loop, and another
+        model than "drift" and "drift-exact".
         """
         plant, autopilot = self.plant.rigid, self.autopilot
         if not autopilot.lateral_gains or not self.margins.stable:
@@ -408,16 +401,17 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     margins = loop_margins(autopilot.exact_loop(plant))
     warn_of_feedback(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
-    steady = autopilot.continuous
+    continuous = autopilot.continuous
     peaks = (
-        _peaks(plant, steady, wind)
+        _peaks(plant, continuous, wind)
         if margins.stable
         else dict.fromkeys((*_PEAKS, _PEAK_RATE), np.inf)
     )
     notes = [] if margins.stable else [margins.reason]
     if autopilot.sample_rate is not None:
         notes.append("margins are of the sampled autopilot, all peaks of the continuous one")
-    boundaries = _boundaries(plant.rigid, wind, notes)
+    boundaries, boundary_notes = _boundaries(plant.rigid, wind)
+    notes += boundary_notes
     minimum = optimum_deflection(plant.rigid, wind)
     if minimum.status != "ok":
         notes.append(f"minimum: {minimum.status}")
@@ -430,7 +424,7 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
         **peaks,
         boundaries=boundaries,
         minimum=float(minimum.peak),
-        wind_gain=wind_gain(plant, steady),
+        wind_gain=wind_gain(plant, continuous),
         notes=tuple(notes),
     )
 
@@ -446,38 +440,39 @@ _PEAK_RATE = "peak_deflection_rate"
 
 
 def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
-    """Return the peaks [rad, rad/s] of the loop of `plant` and `autopilot` in a wind, by name."""
+    """Return the peaks [rad, rad/s] of the closed loop in a wind, by their names in the result.
+
+    `plant`, `autopilot`: one each. NaN for the flight path angle of a plant without it.
+    """
     response = autopilot.wind_response(plant, wind)
-    sizes = {output: abs(response.peak(output)[0]) for output in response.labels}
-    peaks = {name: sizes.get(output, np.nan) for name, output in _PEAKS.items()}
+    peaks = dict.fromkeys(_PEAKS, np.nan)
+    for name, output in _PEAKS.items():
+        if output in response.labels:
+            value, _ = response.peak(output)
+            peaks[name] = abs(value)
     return peaks | {_PEAK_RATE: response.peak_rate("deflection")}
 
 
-def _boundaries(plant: Plant, wind: History, notes: list[str]) -> dict[float, float]:
-    """Return the boundary limit [rad] of a plant in a wind for each dead band K of `DEAD_BANDS`.
+def _boundaries(plant: Plant, wind: History) -> tuple[dict[float, float], list[str]]:
+    """Return the boundary limit [rad] of a plant in a wind by dead band K, and notes on them.
 
     The vehicle is trimmed up to K times the limit, then the whole limit is held. Larger
-    requirements of other theorems take the limit's place. NaN where none exists, which a further
-    entry of `notes` says; notes are added to that list.
+    requirements of other theorems take the limit's place. NaN where none exists, with a note.
     """
+    bands = np.array(DEAD_BANDS)
     try:
-        bands = np.array(DEAD_BANDS)
         # Literal: the switch compares the trim deflection itself with K times the limit.
         boundary = boundary_limit(plant, wind, bands, "literal")
         requirement = with_larger_requirements(plant, wind, bands, boundary)
-        limits = requirement.deflection
-        notes += _boundary_notes(requirement.status)
     except InputError as error:
-        notes.append(f"no boundary: {error}")
-        limits = np.full(len(DEAD_BANDS), np.nan)
-    return dict(zip(DEAD_BANDS, np.abs(limits).tolist(), strict=True))
-
-
-def _boundary_notes(status: NDArray[np.str_]) -> list[str]:
-    """Return a note for each `status` other than ok, one for each of `DEAD_BANDS`, with its K."""
-    bands: dict[str, list[str]] = {}
-    for K, reason in zip(DEAD_BANDS, status.tolist(), strict=True):
-        bands.setdefault(reason, []).append(f"{K:g}")
-    return [
-        f"boundary K = {', '.join(K)}: {reason}" for reason, K in bands.items() if reason != "ok"
+        return dict.fromkeys(DEAD_BANDS, np.nan), [f"no boundary: {error}"]
+    bands_by_status: dict[str, list[str]] = {}
+    for K, status in zip(DEAD_BANDS, requirement.status.tolist(), strict=True):
+        bands_by_status.setdefault(status, []).append(f"{K:g}")
+    notes = [
+        f"boundary K = {', '.join(texts)}: {status}"
+        for status, texts in bands_by_status.items()
+        if status != "ok"
     ]
+    limits = np.abs(requirement.deflection).tolist()
+    return dict(zip(DEAD_BANDS, limits, strict=True)), notes

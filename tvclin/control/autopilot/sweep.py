@@ -91,7 +91,7 @@ class Sweep(Tabled):
     @property
     @derived()
     def satisfied(self) -> BoolArray:
-        """Whether all criteria are satisfied at each time, with every change, ``(n,)``."""
+        """Whether all criteria are satisfied at each time, with every changed mode, ``(n,)``."""
         # Judgements ``(n,)`` of the nominal loop and ``(changes, n)`` of changed ones.
         verdicts = [
             np.asarray(judged.satisfied).reshape(-1, self.times.size).all(axis=0)
@@ -119,7 +119,10 @@ class Sweep(Tabled):
 
     @property
     def worst(self) -> tuple[WorstMargin, ...]:
-        """Worst of each criterion over the flight, of the loop and its modes, then with changes."""
+        """Margin with the smallest surplus over the flight for each judgement of a criterion.
+
+        First of the nominal loop and its modes, then of loops with changed modes.
+        """
         nominal = (_worst(judged, self.times) for judged in self.judgements)
         changed = (_worst(judged, self.times, self.changes) for judged in self.detuned_judgements)
         return (*nominal, *changed)
@@ -127,8 +130,8 @@ class Sweep(Tabled):
     def table(self) -> Table:
         """Return the table of the worst of each margin, its time and its limit."""
         rows: list[tuple[Line, ...]] = []
-        for k, (worst, of) in enumerate(zip(self.worst, self._judged, strict=True)):
-            unit, key = of.criterion.unit, f"sweep.worst.{k}"
+        for k, (worst, judged) in enumerate(zip(self.worst, self._judged, strict=True)):
+            unit, key = judged.criterion.unit, f"sweep.worst.{k}"
             value: Line = ("-",)
             time: Line = ("-",)
             if not np.isinf(worst.surplus):  # infinite: no mode has this margin; NaN: unstable
@@ -136,13 +139,13 @@ class Sweep(Tabled):
                 time = significant(f"{key}.time", worst.time)
             if np.isnan(worst.surplus):
                 value = ("unstable",)
-            limit = significant(f"{key}.limit", of.criterion.limit, 4, unit)
+            limit = significant(f"{key}.limit", judged.criterion.limit, 4, unit)
             rows.append(((worst.margin,), value, time, limit, (satisfaction(worst.satisfied),)))
         minimum = self.minimum_damping
         if np.any(np.isfinite(minimum)):
-            at = int(np.nanargmin(minimum))
-            damping = significant("sweep.damping", minimum[at], 3)
-            time = significant("sweep.damping.time", self.times[at])
+            lowest = int(np.nanargmin(minimum))
+            damping = significant("sweep.damping", minimum[lowest], 3)
+            time = significant("sweep.damping.time", self.times[lowest])
             rows.append((("damping of the poles",), damping, time, ("",), ("",)))
         head = ("margin", "worst", "at [s]", "required", "")
         return Table("Worst margins over the flight", head, tuple(rows))
@@ -154,13 +157,14 @@ class Sweep(Tabled):
         count = f"{self.times.size} flight times"
         if self.all_satisfied:
             return f"{head} at {count}"
-        missed = [p for p in zip(self.worst, self._judged, strict=True) if not p[0].satisfied]
-        worst, of = min(missed, key=lambda pair: _normalised(pair[0].surplus, pair[1]))
-        limit, unit = of.criterion.shown
+        pairs = zip(self.worst, self._judged, strict=True)
+        missed = [(worst, judged) for worst, judged in pairs if not worst.satisfied]
+        worst, judged = min(missed, key=lambda pair: _surplus_over_limit(pair[0].surplus, pair[1]))
+        limit, unit = judged.criterion.shown
         shown = text(number("value", unit_factor(unit) * worst.value, 2, unit))
         of_all = f"(NOT MET at {np.sum(~self.satisfied)} of {count})"
         if np.isnan(worst.surplus):
-            change = worst.margin.rpartition(", ")[2]
+            *_, change = worst.margin.split(", ")  # the last part, if a mode is changed
             shown = "the loop is unstable" + f" with {change}" * (change in self.changes)
             return f"{head}, {shown} at {worst.time:.4g} s {of_all}"
         against = f"limit {limit:g} {unit}".rstrip()
@@ -196,7 +200,8 @@ class Sweep(Tabled):
     def _by_time(self) -> dict[str, FloatArray]:
         """Return the columns of the table by flight time, ``(n,)``, by their headings.
 
-        Beyond two modes the smallest of their margins; "detuned": smallest margin over its limit.
+        Margins of the loop [dB, deg] and of its modes, of more than two modes the smallest; and
+        "detuned": smallest ratio of a margin with a changed mode to its limit.
         """
         margins = {
             "gain down [dB]": self.margins.aero_margin_dB,
@@ -217,11 +222,11 @@ class Sweep(Tabled):
             if np.any(np.isfinite(values))
         }
         if self.detuned_judgements:
-            by_limit = [
-                _normalised(np.asarray(judged.surplus).reshape(-1, self.times.size), judged)
+            ratios = [
+                _surplus_over_limit(np.reshape(judged.surplus, (-1, self.times.size)), judged)
                 for judged in self.detuned_judgements
             ]
-            lowest = np.concatenate(by_limit).min(axis=0)
+            lowest = np.concatenate(ratios).min(axis=0)
             # Margin over limit is one plus the surplus over the limit.
             columns["detuned"] = np.where(np.isinf(lowest), np.nan, 1.0 + lowest)
         return columns
@@ -231,10 +236,13 @@ class Sweep(Tabled):
         return table(self.table())
 
     def _columns(self) -> Columns:
-        """Return the margins at each flight time as columns of a CSV."""
+        """Return the margins at each flight time as columns of a CSV.
+
+        Of the loop, of each mode, and the smallest with a changed mode; NaN where it is unstable.
+        """
         axis = Column("time", self.times, "s")
         columns = [Column("status", np.asarray(self.margins.status), "")]
-        columns += [_of_margin(name, getattr(self.margins, name)) for name in _COLUMNS]
+        columns += [_margin_column(name, getattr(self.margins, name)) for name in _COLUMNS]
         for mode in self.modes:
             key = mode.name.replace(" ", "_")
             columns += [
@@ -248,29 +256,30 @@ class Sweep(Tabled):
             for name in _COLUMNS:
                 values = np.asarray(getattr(self.detuned, name))
                 lowest = np.where(np.any(np.isnan(values), axis=0), np.nan, values.min(axis=0))
-                columns.append(_of_margin(f"detuned_{name}", lowest))
+                columns.append(_margin_column(f"detuned_{name}", lowest))
         columns.append(Column("satisfied", self.satisfied, ""))
         return Columns((axis,), tuple(columns), {"criteria": self.criteria.name})
 
 
-def _of_margin(name: str, values: FloatArray) -> Column:
-    """Return a CSV column of `values` ``(n,)`` of a margin, whose name may end with its unit.
+def _margin_column(name: str, values: FloatArray) -> Column:
+    """Return the CSV column of a margin: its name without unit, values ``(n,)``, and the unit.
 
-    The unit is taken off the `name`, and degrees become radians, as all columns are in SI units.
+    `name`: of the margin, as "phase_margin_deg", "aero_margin_dB" or "disk_margin". Degrees become
+    radians, as columns are in SI units.
     """
     key, _, unit = name.rpartition("_")
     if unit == "deg":
         return Column(key, np.radians(values), "rad")
-    return (
-        Column(key, np.asarray(values), unit) if unit == "dB" else Column(name, np.asarray(values))
-    )
+    if unit == "dB":
+        return Column(key, np.asarray(values), unit)
+    return Column(name, np.asarray(values))
 
 
-def _normalised(surplus: Any, judged: Judgement) -> Any:
-    """Return `surplus`, the distance of a margin from its limit, as a ratio to the limit.
+def _surplus_over_limit(surplus: Any, judged: Judgement) -> Any:
+    """Return a margin's surplus, its distance from the limit, as a ratio to the limit.
 
     Minus infinity for an unstable loop, whose surplus is NaN. `judged`: judgement by a criterion,
-    which has the limit; one of zero counts as 1.
+    which has the limit; a limit of zero counts as 1.
     """
     limit = judged.criterion.limit or 1.0
     return np.where(np.isnan(surplus), -np.inf, np.asarray(surplus) / limit)
@@ -285,15 +294,16 @@ def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",
     """
     surplus = np.asarray(judged.surplus, float).reshape(-1, times.size)
     values = np.asarray(judged.value, float).reshape(-1, times.size)
-    at = np.unravel_index(np.argmin(np.where(np.isnan(surplus), -np.inf, surplus)), surplus.shape)
-    change = changes[at[0]] if changes[at[0]] else ""
-    words = [MARGINS.get(judged.criterion.margin, (judged.criterion.name,))[0], judged.band, change]
+    smallest = int(np.argmin(np.where(np.isnan(surplus), -np.inf, surplus)))
+    row, column = divmod(smallest, times.size)  # of a change and a time
+    # the label of a margin of the loop, or the name of a margin of modes
+    label, *_ = MARGINS.get(judged.criterion.margin, (judged.criterion.name,))
     return WorstMargin(
-        ", ".join(filter(None, words)),
-        float(values[at]),
-        float(times[at[1]]),
-        float(surplus[at]),
-        bool(np.all(judged.satisfied)),
+        margin=", ".join(filter(None, [label, judged.band, changes[row]])),
+        value=float(values[row, column]),
+        time=float(times[column]),
+        surplus=float(surplus[row, column]),
+        satisfied=bool(np.all(judged.satisfied)),
     )
 
 
@@ -325,7 +335,8 @@ def flight_mode_names(flight: FlightSchedule, plants: AnyPlant) -> tuple[str, ..
     `plants`: plants of the flight, which name the modes where the structure is that of the vehicle.
     """
     if flight.structure is None:
-        return named_modes(plants)[0]
+        names, _ = named_modes(plants)
+        return names
     return (*flight.structure.modes, *flight.structure.tanks)
 
 
@@ -377,55 +388,56 @@ def sweep(
     """
     errors.instance("flight", flight, FlightSchedule, "see load_schedule")
     errors.instance("criteria", criteria, Criteria, "see Criteria.custom")
-    at = errors.times_row("times", times)
-    if not at.size:
+    time = errors.times_row("times", times)
+    if not time.size:
         raise errors.InputError("times must be one or more times of flight in s")
     row = errors.finite("factors", factors)
     row = errors.positive("factors", errors.one_row("factors", row)) if row.size else np.zeros(0)
     if isinstance(autopilot, Autopilot) and autopilot.batch:
         raise errors.InputError("autopilot must be one autopilot for all times, or a GainSchedule")
-    laws = autopilot_along(autopilot, flight, at)
-    plants = plants_along(flight, at, model, plane)
+    autopilots = autopilot_along(autopilot, flight, time)
+    plants = plants_along(flight, time, model, plane)
     names = flight_mode_names(flight, plants)
     if criteria.has_mode_limits and not names:
         raise errors.InputError("criteria of modes need a flight with a structure over time")
-    loop = laws.exact_loop(plants)
-    warn_of_feedback(laws, plants)
-    warn_of_sampling(laws, plants)
-    bands = _bands(loop, plants, names, criteria.has_delay_limit)
+    loop = autopilots.exact_loop(plants)
+    warn_of_feedback(autopilots, plants)
+    warn_of_sampling(autopilots, plants)
+    bands = _bands(loop, plants, names, delays=criteria.has_delay_limit)
     changes: tuple[str, ...] = ()
     detuned: Margins | None = None
     detuned_judgements: tuple[Judgement, ...] = ()
     if row.size and isinstance(plants, FlexiblePlant):
         # Of all changes those of frequencies, which follow the nominal row.
-        frequencies = slice(1, 1 + len(names) * row.size)
-        all_changes, *factors_of = mode_changes(names, len(plants.structure.bending), row)
-        changes = all_changes[frequencies]
-        varied = with_mode_factors(plants, *(a[frequencies, np.newaxis] for a in factors_of))
+        rows = slice(1, 1 + len(names) * row.size)
+        all_changes, *mode_factors = mode_changes(names, len(plants.structure.bending), row)
+        changes = all_changes[rows]
+        varied = with_mode_factors(plants, *(array[rows, np.newaxis] for array in mode_factors))
         judged_names = names if criteria.has_mode_limits else ()
-        changed = laws.exact_loop(varied)
-        varied_bands = _bands(changed, varied, judged_names, criteria.has_delay_limit)
+        varied_loop = autopilots.exact_loop(varied)
+        varied_bands = _bands(varied_loop, varied, judged_names, delays=criteria.has_delay_limit)
         detuned, detuned_judgements = varied_bands.margins, criteria.judge(varied_bands)
     return Sweep(
-        at,
-        bands.margins,
-        bands.modes,
-        poles_in_s(loop),
-        criteria,
-        criteria.judge(bands),
-        changes,
-        detuned,
-        detuned_judgements,
+        times=time,
+        margins=bands.margins,
+        modes=bands.modes,
+        poles=poles_in_s(loop),
+        criteria=criteria,
+        judgements=criteria.judge(bands),
+        changes=changes,
+        detuned=detuned,
+        detuned_judgements=detuned_judgements,
     )
 
 
 def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -> BandMargins:
     """Return the margins by band of loops around `plants`; without bands around rigid plants.
 
-    `names`: names of the modes and tanks of the flight; without names there are no bands. `delays`:
-    whether delay margins are computed.
+    `names`: names of the modes and tanks of the flight; without names there are no bands, and only
+    the margins of the whole loop. `delays`: whether delay margins are computed.
     """
     if isinstance(plants, Plant) or not names:
         margins = margins_of(loop.analysis(delays=delays), loop.batch)
-        return BandMargins(margins, None, ())  # type: ignore[arg-type]
-    return band_margins(loop, names, named_modes(plants)[1], delays=delays)
+        return BandMargins(margins, rigid=None, modes=())  # type: ignore[arg-type]
+    _, poles = named_modes(plants)
+    return band_margins(loop, names, poles, delays=delays)

@@ -17,7 +17,7 @@ from tvclin.base.fields import spec
 from tvclin.base.lines import Row, significant
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.linear.lateral import SENSOR_OF, LateralSensors
+from tvclin.linear.lateral import LateralSensors
 from tvclin.linear.named_systems import check_hidden_modes, eigenvectors, named_system
 from tvclin.linear.system import LinearSystem
 from tvclin.numerics import state_space
@@ -100,14 +100,9 @@ class SystemAutopilot(Autopilot):
         if gain_names:
             raise InputError(f"{gain_names[0]} is of an Autopilot; the controller has its own")
         object.__setattr__(self, "system", system)
-        check_hidden_modes(
-            "controller",
-            eigenvectors(system.A),
-            system.B,
-            system.C,
-            ("no input reaches", "its output does not show"),
-            system.period,
-        )
+        faults = ("no input reaches", "its output does not show")
+        modes = eigenvectors(system.A)
+        check_hidden_modes("controller", modes, system.B, system.C, faults, system.period)
         if system.period is not None:
             rate = 1.0 / float(system.period)
             if self.sample_rate is None:
@@ -120,19 +115,27 @@ class SystemAutopilot(Autopilot):
 
     @property
     def controller(self) -> LinearSystem:
-        """State space from outputs of the plant to the deflection command."""
+        """State space from outputs of plant and sensors to the deflection command."""
         return self.system
 
     @property
     def lateral_sensors(self) -> LateralSensors:
         """Sensors of the lateral motion that the controller reads."""
-        drift_rate, drift, acceleration = (name in self.system.inputs for name in SENSOR_OF)
-        sensor = self.acceleration_station, self.accelerometer_bandwidth
-        return LateralSensors(drift_rate, drift, acceleration, *sensor)
+        inputs = self.system.inputs
+        return LateralSensors(
+            drift_rate="drift_rate" in inputs,
+            drift="drift" in inputs,
+            acceleration="lateral_acceleration" in inputs,
+            station=self.acceleration_station,
+            bandwidth=self.accelerometer_bandwidth,
+        )
 
     @property
     def continuous(self) -> Self:
-        """Continuous autopilot; of difference equations by the bilinear rule."""
+        """Continuous autopilot; of difference equations by the bilinear rule.
+
+        `InputError` for a pole at z = -1, which that rule takes to infinity.
+        """
         system = self.system
         if system.period is None:
             return replace(self, sample_rate=None)
@@ -140,8 +143,8 @@ class SystemAutopilot(Autopilot):
         if np.any(np.abs(poles + 1.0) < _MIN_DISTANCE_FROM_MINUS_ONE):
             raise InputError("the controller has a pole at z = -1, which no continuous system has")
         matrices = state_space.from_steps(system.matrices(), 0.5 * system.period)
-        signals = (system.inputs, system.outputs, system.states)
-        return replace(self, system=LinearSystem(*matrices, *signals), sample_rate=None)
+        continuous = LinearSystem(*matrices, system.inputs, system.outputs, system.states)
+        return replace(self, system=continuous, sample_rate=None)
 
     @property
     def description(self) -> str:
@@ -160,6 +163,6 @@ class SystemAutopilot(Autopilot):
         order = significant("controller.order", len(self.system.states), 4)
         rows = super().rows()
         # The rows ahead of that of the actuator are of gains, which a controller does not have.
-        first = next(k for k, row in enumerate(rows) if row[0] == "actuator")
+        first = next(k for k, (label, _) in enumerate(rows) if label == "actuator")
         inputs = ("controller inputs", (", ".join(self.system.inputs),))
         return [("controller order", order), inputs, *rows[first:]]

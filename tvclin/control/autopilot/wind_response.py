@@ -51,39 +51,37 @@ class WindResponse:
     _jumps: FloatArray
 
     def __call__(self, times: ArrayLike) -> FloatArray:
-        """Return the outputs [rad, rad/s] at times [s], ``(outputs,) + times.shape``.
-
-        `_motion` has the states of loop and wind at any time, `_rows` the outputs' factors on them.
-        """
-        when = finite("times", times, "s")
-        values = np.real(self._rows @ self._motion.at(when.ravel()).T)
-        return values.reshape((-1, *when.shape))
+        """Return the outputs [rad, rad/s] at times [s], ``(outputs,) + times.shape``."""
+        at = finite("times", times, "s")
+        states = self._motion.at(at.ravel())  # of loop and wind, (times, states)
+        return np.real(self._rows @ states.T).reshape((-1, *at.shape))
 
     def peak(self, output: str) -> tuple[float, float]:
         """Return the value of largest magnitude [rad, rad/s], with its sign, and its time [s].
 
-        `output`: one of the labels. Both are infinite where the closed loop is unstable; its
-        settling time [s] is then zero.
+        `output`: one of the labels. Both are infinite where the closed loop is unstable.
         """
         row = self._row(output)
-        return (
-            peak_output(self._motion, row, self._settling_time)
-            if self._settling_time
-            else (np.inf, np.inf)
-        )
+        if not self._settling_time:  # unstable
+            return np.inf, np.inf
+        return peak_output(self._motion, row, self._settling_time)
 
     def peak_rate(self, output: str) -> float:
         """Return the largest magnitude of the output's rate of change [rad/s, rad/s^2].
 
         It is infinite where the output jumps, and where the closed loop is unstable.
         """
-        row = self._row(output) @ self._motion.matrix  # y = row x with x' = matrix x
-        if self._jumps[self.labels.index(output)] or not self._settling_time:
+        row = self._row(output) @ self._motion.matrix  # of y': y = row x with x' = matrix x
+        if self._jumps[self.labels.index(output)] or not self._settling_time:  # zero: unstable
             return float(np.inf)
-        return abs(peak_output(self._motion, row, self._settling_time)[0])
+        peak, _ = peak_output(self._motion, row, self._settling_time)
+        return abs(peak)
 
     def _row(self, output: str) -> AnyArray:
-        """Return an output's factors on the states of loop and wind; `InputError` if unknown."""
+        """Return the row r ``(n,)`` of an output y = r x, by the n states x of loop and wind.
+
+        `output`: one of the labels; `InputError` for another.
+        """
         return self._rows[self.labels.index(one_of("output", output, self.labels))]
 
 
@@ -105,16 +103,20 @@ def wind_response_of(
     single("wind", wind.batch)
     pieces, powers = wind.pieces, wind.pieces.degree + 1
     # Behind x the motion has states of the wind; the first of each rate add up to the wind.
-    inputs = np.zeros(pieces.rates.size * powers)
-    inputs[::powers] = 1.0
-    rows = np.hstack([C, D[:, np.newaxis] * inputs])
-    trajectory = motions(A, B, [pieces])[0]
+    wind_row = np.zeros(pieces.rates.size * powers)
+    wind_row[::powers] = 1.0
+    rows = np.hstack([C, D[:, np.newaxis] * wind_row])
+    (motion,) = motions(A, B, [pieces])
     decay = -np.real(np.linalg.eigvals(A)).max()
-    settling_time = _DECAY_EXPONENT / decay if decay > 0.0 else 0.0
-    values = trajectory.starts[:, len(A) :] @ inputs
-    before = np.append(0.0, np.real(_ends(trajectory, inputs, len(A))))
+    settling_time = _DECAY_EXPONENT / decay if decay > 0.0 else 0.0  # zero: unstable
+    # jumps of the wind: its value at the start of a piece, less that at the end of the piece before
+    order = len(A)
+    starts = motion.starts[:, order:]
+    steps = matrix_exponentials(motion.matrix[order:, order:], np.diff(motion.knots))
+    ends = np.einsum("i,kij,kj->k", wind_row, steps, starts[:-1])
+    values, before = starts @ wind_row, np.append(0.0, np.real(ends))
     jumps = np.abs(np.real(values) - before) > _RELATIVE_JUMP * np.abs(values).max(initial=0.0)
-    return WindResponse(labels, trajectory, rows, settling_time, (D != 0.0) & np.any(jumps))
+    return WindResponse(labels, motion, rows, settling_time, (D != 0.0) & np.any(jumps))
 
 
 def peaks_in_winds(
@@ -134,7 +136,7 @@ def peaks_in_winds(
     decay = -np.real(np.linalg.eigvals(A)).max()
     if not decay > 0.0:
         raise InputError("peaks in winds are of a stable closed loop; this loop is not stable")
-    groups: dict[tuple[bytes, int], list[int]] = {}
+    groups: dict[tuple[bytes, int], list[int]] = {}  # indices of winds, by rates and degree
     for k, wind in enumerate(each("winds", winds, History, "such as TriangularWind")):
         single("winds", wind.batch)
         groups.setdefault((wind.pieces.rates.tobytes(), wind.pieces.degree), []).append(k)
@@ -143,22 +145,11 @@ def peaks_in_winds(
     for (_, degree), group in groups.items():
         trajectories = motions(A, B, [winds[k].pieces for k in group])
         # Behind x a motion has states of the wind; the first of each rate add up to the wind.
-        inputs = np.zeros(trajectories[0].matrix.shape[0] - len(A))
-        inputs[:: degree + 1] = D
-        outputs = np.concatenate([C, inputs])
-        peaks[group] = peak_outputs(trajectories, outputs, settling_time)
+        direct = np.zeros(len(trajectories[0].matrix) - len(A))
+        direct[:: degree + 1] = D
+        output_row = np.concatenate([C, direct])
+        peaks[group] = peak_outputs(trajectories, output_row, settling_time)
     return peaks
-
-
-def _ends(trajectory: Motion, inputs: FloatArray, order: int) -> AnyArray:
-    """Return the wind [rad] at the end of each of its pieces but the last, ``(pieces - 1,)``.
-
-    `trajectory`: states of a loop of `order` states and, behind them, of the wind. `inputs`: row
-    with which the latter give the wind. A step carries these states from the start of a piece at a
-    breakpoint (`knots` [s]) to its end.
-    """
-    steps = matrix_exponentials(trajectory.matrix[order:, order:], np.diff(trajectory.knots))
-    return np.einsum("i,kij,kj->k", inputs, steps, trajectory.starts[:-1, order:])
 
 
 _STEPS = 400
@@ -192,13 +183,14 @@ def deflection_peaks(
     matrix[:, :n, n::powers] = B[..., np.newaxis]
     output = np.zeros((m, matrix.shape[-1]), dtype=matrix.dtype)
     output[:, :n], output[:, n::powers] = row, direct[:, np.newaxis]
-    starts = input_states(pieces, pieces.knots)
-    widths = np.append(np.diff(pieces.knots), after)
+    starts = input_states(pieces, pieces.knots)  # z at the start of each piece
+    widths = np.append(np.diff(pieces.knots), after)  # [s]
     state = np.zeros((m, matrix.shape[-1]), dtype=np.result_type(matrix, starts))
     highest = np.zeros(m)
-    # Each piece of the wind between breakpoints, and the time after it, with a row of its states z.
+    # Each piece of the wind between breakpoints, and the time after it; at least a tenth of the
+    # samples. Half of those of a piece are in its first tenth, as after a corner all is faster.
     for width, start in zip(widths.tolist(), starts, strict=True):
-        count = int(np.ceil(_STEPS * max(width / widths.sum(), 0.1)))  # see _STEPS
+        count = int(np.ceil(_STEPS * max(width / widths.sum(), 0.1)))
         state[:, n:] = start
         for fraction in (_INITIAL_FRACTION, 1.0 - _INITIAL_FRACTION):
             step = matrix_exponentials(matrix, np.full(m, fraction * width / count))
@@ -207,21 +199,28 @@ def deflection_peaks(
             for k in range(count):
                 state = (step @ state[..., np.newaxis])[..., 0]
                 values[k + 1] = _sizes(output, state)
-            highest = np.maximum(highest, _summits(values))
+            highest = np.maximum(highest, _parabola_maxima(values))
     return np.where(np.isfinite(highest), highest, np.inf)
 
 
-def _sizes(output: AnyArray, state: AnyArray) -> FloatArray:
-    """Return the magnitudes ``(m,)`` of outputs with rows ``(m, n)`` of states ``(m, n)``."""
-    return np.asarray(np.abs(np.real(np.einsum("mi,mi->m", output, state))))
+def _sizes(rows: AnyArray, states: AnyArray) -> FloatArray:
+    """Return the magnitude of the output r x of each of m systems, ``(m,)``.
+
+    `rows`: r, ``(m, n)``. `states`: x, ``(m, n)``.
+    """
+    return np.asarray(np.abs(np.real(np.einsum("mi,mi->m", rows, states))))
 
 
-def _summits(values: FloatArray) -> FloatArray:
-    """Return the maximum of each column of samples ``(n, m)``, by a parabola through it."""
+def _parabola_maxima(values: FloatArray) -> FloatArray:
+    """Return the maximum of each column of even samples ``(n, m)``, refined between the samples.
+
+    It is the vertex of the parabola through the highest sample and its neighbours.
+    """
     columns = np.arange(values.shape[1])
     top = np.clip(np.argmax(values, axis=0), 1, len(values) - 2)
     before, middle, after = (values[top + k, columns] for k in (-1, 0, 1))
-    bend = np.minimum(before - 2.0 * middle + after, -np.finfo(float).tiny)
+    # negative, not zero: where the middle is not the highest the parabola is not used
+    second_difference = np.minimum(before - 2.0 * middle + after, -np.finfo(float).tiny)
     inside = (middle >= before) & (middle >= after)
-    rise = np.where(inside, -0.125 * (after - before) ** 2 / bend, 0.0)
+    rise = np.where(inside, -0.125 * (after - before) ** 2 / second_difference, 0.0)
     return np.asarray(np.maximum(values.max(axis=0), middle + rise))

@@ -58,7 +58,10 @@ attitude_command                          deflection_disturbance               w
 
 
 def with_diagram(documented: _Documented) -> _Documented:
-    """Return the documented function with LOOP_DIAGRAM in its docstring replaced by the diagram."""
+    """Return a function, with the word LOOP_DIAGRAM in its docstring replaced by the diagram.
+
+    For use as a decorator; the docstring is changed in place.
+    """
     text = cleandoc(documented.__doc__ or "")
     documented.__doc__ = text.replace("LOOP_DIAGRAM", "::\n\n" + indent(LOOP_DIAGRAM, "    "))
     return documented
@@ -99,6 +102,7 @@ def open_loop(
     `pade` the Pade approximation of the delay (else it is left out), integrator, filters. `plant`:
     one plant or a batch, which broadcasts with the autopilot.
     """
+    # plant with sensors, actuator, and the sum of deflection and disturbance
     vehicle = plant_blocks(plant, autopilot.actuator, autopilot.lateral_sensors)
     delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
     delay_states = tuple(f"delay_{k}" for k in range(1, len(delay[0]) + 1))
@@ -110,6 +114,7 @@ def open_loop(
     sensors = plant.sensed if sensor_noise else ()
     inputs = (*DISTURBANCES, COMMAND, *sensors)
     loop = connect(blocks, inputs, (*vehicle[0].outputs, "deflection", RETURNED))
+    # an external input named as a sensor's output adds to it: its noise
     return loop.renamed(dict(zip(sensors, SENSOR_NOISE, strict=False)))
 
 
@@ -121,10 +126,12 @@ def closed_loop(
     `autopilot`, `plant`: one each or batches, which broadcast. Inputs: wind, attitude command and
     deflection disturbance (`DISTURBANCES`); outputs: the plant's, the lateral sensors', and the
     deflection. The delay is its Pade approximation. With `sensor_noise` the noises of attitude and
-    rate sensor are further inputs, whose direct parts are those of what the sensors put out; with
-    `command` an input that adds to the returned command, an output too.
+    rate sensor [rad, rad/s] are further inputs, which outputs of these sensors contain. With
+    `command` the last input is a deflection command that adds to the returned one, and the last
+    output the returned command.
     """
     loop = open_loop(autopilot, plant, pade=True, sensor_noise=sensor_noise)
+    # a tuple times a flag is the tuple or empty
     inputs = (*DISTURBANCES, *SENSOR_NOISE * sensor_noise, *(COMMAND,) * command)
     outputs = (*plant.outputs, *autopilot.lateral_sensors.signals, "deflection")
     return loop.feedback(RETURNED, COMMAND).select(inputs, outputs + (RETURNED,) * command)
@@ -153,40 +160,25 @@ def autopilot_blocks(
     `period` [s]: with it the blocks are difference equations.
     """
     chains = {name: getattr(autopilot, name) for name in CHAINS}
+    command_sum = [gain(ATTITUDE_ERROR, {_ATTITUDE_COMMAND: -1.0})]  # attitude minus its command
     if autopilot.controller is not None:
-        return _controller_blocks(autopilot.controller, chains, plant, period)
-    integral = bool(np.any(np.asarray(autopilot.integral_gain)))
-    gains = {
-        ATTITUDE_ERROR: autopilot.attitude_gain,
-        FILTERED_RATE: autopilot.rate_gain,
-        "angle_of_attack": autopilot.alpha_gain,
-    }
-    if integral:
-        gains[INTEGRAL] = autopilot.integral_gain
-    gains |= autopilot.lateral_gains
-    integrator = attitude_integral(integral)
-    sums = [gain(ATTITUDE_ERROR, {_ATTITUDE_COMMAND: -1.0}), gain(LAW_OUTPUT, gains)]
-    return [*law_blocks(chains, integrator, plant.sensed, period), *sums]
-
-
-def _controller_blocks(
-    controller: LinearSystem,
-    chains: Mapping[str, Sequence[Filter]],
-    plant: AnyPlant,
-    period: FloatArray | None,
-) -> list[LinearSystem]:
-    """Return the blocks of an autopilot whose law is a state space `controller`.
-
-    They lead from the sensors and the attitude command to the command. The controller's input
-    attitude is the attitude minus its command, unless the command is an input too. `chains`:
-    filters of attitude, rate and command, by the names `CHAINS`. `plant`: names the sensors.
-    `period` [s]: with it the blocks are difference equations.
-    """
-    check_controller(controller, plant)
-    takes_command = _ATTITUDE_COMMAND in controller.inputs
-    sums = [] if takes_command else [gain(ATTITUDE_ERROR, {_ATTITUDE_COMMAND: -1.0})]
-    blocks = law_blocks(chains, controller_system(controller), plant.sensed, period)
-    return [*blocks, *sums, gain(LAW_OUTPUT, {CONTROLLER: 1.0})]
+        check_controller(autopilot.controller, plant)
+        if _ATTITUDE_COMMAND in autopilot.controller.inputs:
+            command_sum = []  # the controller itself takes the command off
+        states, gains = controller_system(autopilot.controller), {CONTROLLER: 1.0}
+    else:
+        integral = bool(np.any(np.asarray(autopilot.integral_gain)))
+        states = attitude_integral(integral)
+        gains = {
+            ATTITUDE_ERROR: autopilot.attitude_gain,
+            FILTERED_RATE: autopilot.rate_gain,
+            "angle_of_attack": autopilot.alpha_gain,
+        }
+        if integral:
+            gains[INTEGRAL] = autopilot.integral_gain
+        gains |= autopilot.lateral_gains
+    blocks = law_blocks(chains, states, plant.sensed, period)
+    return [*blocks, *command_sum, gain(LAW_OUTPUT, gains)]
 
 
 def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
@@ -196,9 +188,10 @@ def check_controller(controller: LinearSystem, plant: AnyPlant) -> None:
 
 
 def controller_system(controller: LinearSystem) -> LinearSystem:
-    """Return a `controller` whose inputs have the names of a law's, `LAW_INPUTS`.
+    """Return a controller in state space with the names of signals that the loop connects.
 
-    Attitude and its rate become the attitude error and the rate behind their filters.
+    Its inputs attitude and attitude_rate become the attitude error and the rate behind their
+    filters, inputs of lateral motion the outputs of the sensors; its output is `CONTROLLER`.
     """
     names = {"attitude": ATTITUDE_ERROR, "attitude_rate": FILTERED_RATE} | SENSOR_OF
     states = tuple(f"controller_{k}" for k in range(1, len(controller.states) + 1))
@@ -240,9 +233,14 @@ def attitude_integral(present: bool) -> LinearSystem:
 
     Its inputs are all of `LAW_INPUTS`, of which it integrates the first, the attitude error.
     """
-    n, name, inputs = int(present), (INTEGRAL,) if present else (), len(LAW_INPUTS)
-    matrices = np.zeros((n, n)), np.eye(n, inputs), np.eye(n), np.zeros((n, inputs))
-    return LinearSystem(*matrices, LAW_INPUTS, name, name)
+    n, names = int(present), (INTEGRAL,) if present else ()
+    A, B, C, D = (
+        np.zeros((n, n)),
+        np.eye(n, len(LAW_INPUTS)),
+        np.eye(n),
+        np.zeros((n, len(LAW_INPUTS))),
+    )
+    return LinearSystem(A, B, C, D, inputs=LAW_INPUTS, outputs=names, states=names)
 
 
 def law_blocks(
@@ -259,12 +257,14 @@ def law_blocks(
     rule, each exact at its own frequency, the law's states with a zero-order hold on their inputs.
     """
     # Signals ahead of and behind the filters of attitude, rate and command.
-    ends = ((sensed[0], ATTITUDE_ERROR), (sensed[1], FILTERED_RATE), (LAW_OUTPUT, RETURNED))
+    attitude, rate = sensed
+    ends = ((attitude, ATTITUDE_ERROR), (rate, FILTERED_RATE), (LAW_OUTPUT, RETURNED))
     blocks = [states if period is None else in_steps(states, period)] if states.outputs else []
     for name, (source, target) in zip(CHAINS, ends, strict=True):
         chain = chains[name]
         if not chain and source != target:
             blocks.append(gain(target, {source: 1.0}))
+        # of n filters in series: source, n - 1 signals between them, target
         signals = [source, *(f"{name} {k}" for k in range(1, len(chain))), target]
         for k, filter_ in enumerate(chain, start=1):
             names = (f"{name.removesuffix('s')}_{k}_{j}" for j in range(1, filter_.order + 1))
@@ -272,8 +272,8 @@ def law_blocks(
                 matrices = filter_.matrices()
             else:
                 matrices = filter_in_steps(filter_, period, f"{name} {k}")
-            between = (signals[k - 1],), (signals[k],)
-            blocks.append(LinearSystem(*matrices, *between, tuple(names), period))
+            ahead, behind = (signals[k - 1],), (signals[k],)
+            blocks.append(LinearSystem(*matrices, ahead, behind, tuple(names), period))
     return blocks
 
 
@@ -295,8 +295,8 @@ def filter_in_steps(filter_: Filter, period: FloatArray, name: str) -> Matrices:
             f" half the sample rate, {np.pi / np.max(period):.6g} rad/s; raise sample_rate"
         )
     frequency, half_phase = np.broadcast_arrays(frequency, half_phase)
-    moves = frequency > 0.0
-    c = np.where(moves, frequency / np.tan(np.where(moves, half_phase, 1.0)), 1.0 / half)
+    rises = frequency > 0.0
+    c = np.where(rises, frequency / np.tan(np.where(rises, half_phase, 1.0)), 1.0 / half)
     return state_space.to_steps(filter_.matrices(), c)
 
 
@@ -310,15 +310,15 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
     denominator = polynomials.times_variable(plant.denominator, integrators)
     for name in CHAINS:
         if getattr(autopilot, name):
-            _, below = _chain(autopilot, name)
-            denominator = polynomials.multiply(denominator, below)
+            _, filter_denominator = _chain(autopilot, name)
+            denominator = polynomials.multiply(denominator, filter_denominator)
     if autopilot.lateral_sensors.acceleration:
         denominator = polynomials.multiply(denominator, _accelerometer(autopilot))
     # L is minus what returns, so that 1 + L = 0 is the closed loop.
     return Loop(
-        polynomials.multiply(-numerator, actuator_numerator),
-        polynomials.multiply(denominator, actuator_denominator),
-        autopilot.delay,
+        numerator=polynomials.multiply(-numerator, actuator_numerator),
+        denominator=polynomials.multiply(denominator, actuator_denominator),
+        delay=autopilot.delay,
     )
 
 
@@ -328,7 +328,9 @@ def wind_numerator(autopilot: Feedback, plant: Plant) -> FloatArray:
     `autopilot`, `plant`: gains and a rigid plant. Denominator and delay are the same as in
     `rational_loop`, the loop from the command.
     """
-    return polynomials.multiply(_feedback(autopilot, plant, "wind")[0], _actuator(autopilot)[0])
+    numerator, _ = _feedback(autopilot, plant, "wind")
+    actuator_numerator, _ = _actuator(autopilot)
+    return polynomials.multiply(numerator, actuator_numerator)
 
 
 def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArray, int]:
@@ -346,21 +348,26 @@ def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArra
     on_angle = np.asarray(autopilot.alpha_gain)[..., np.newaxis] * np.eye(1, 1 + integrators)[0]
     angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", source))
     on_attitude = np.stack(np.broadcast_arrays(*gains[: 2 + integrators]), axis=-1)
+    # filters F = N/D of the sensed attitude and of the sensed rate
+    N_attitude, D_attitude = _chain(autopilot, "attitude_filters")
+    N_rate, D_rate = _chain(autopilot, "rate_filters")
+    sensor_denominator = polynomials.multiply(D_attitude, D_rate)
     if autopilot.attitude_filters or autopilot.rate_filters:
-        # (a1 s F_r + (a0 + aI/s) F_a) theta + b0 alpha, over the denominators of both filters F
-        (above_a, below_a), (above_r, below_r) = (_chain(autopilot, name) for name in CHAINS[:2])
+        # (a1 s F_rate + (a0 + aI/s) F_attitude) theta + b0 alpha, over both denominators
         rate = polynomials.multiply(on_attitude[..., :1], np.eye(1, 2 + integrators)[0])
-        rate = polynomials.multiply(polynomials.multiply(rate, above_r), below_a)
-        attitude = polynomials.multiply(on_attitude[..., 1:], above_a)
-        on_attitude = polynomials.add(rate, polynomials.multiply(attitude, below_r))
-        angle = polynomials.multiply(angle, polynomials.multiply(below_a, below_r))
+        rate = polynomials.multiply(polynomials.multiply(rate, N_rate), D_attitude)
+        attitude = polynomials.multiply(on_attitude[..., 1:], N_attitude)
+        on_attitude = polynomials.add(rate, polynomials.multiply(attitude, D_rate))
+        angle = polynomials.multiply(angle, sensor_denominator)
     attitude = polynomials.multiply(on_attitude, plant.numerator("attitude", source))
     numerator = polynomials.add(attitude, angle)
     if sensors.signals:
-        below = polynomials.multiply(*(_chain(autopilot, name)[1] for name in CHAINS[:2]))
-        numerator = _with_lateral(autopilot, plant, source, integrators, numerator, below)
+        numerator = _with_lateral(
+            autopilot, plant, source, integrators, numerator, sensor_denominator
+        )
     if autopilot.filters:
-        numerator = polynomials.multiply(numerator, _chain(autopilot, "filters")[0])
+        command_numerator, _ = _chain(autopilot, "filters")
+        numerator = polynomials.multiply(numerator, command_numerator)
     return numerator, integrators
 
 
@@ -370,14 +377,14 @@ def _with_lateral(
     source: str,
     integrators: int,
     numerator: FloatArray,
-    below: FloatArray,
+    sensor_denominator: FloatArray,
 ) -> FloatArray:
-    """Return a numerator of `_feedback` with an autopilot's feedback of drift and acceleration.
+    """Return the numerator from a plant input to the command, with drift and acceleration.
 
     Gains: d1 on the drift rate z', d0 on the drift z, g on the acceleration n. `plant`: rigid.
-    `source`: its input, "deflection" or "wind". `integrators`: power of s in the denominator.
-    `numerator`: of the other feedback, ``(..., n)``. `below`: denominator of the filters of
-    attitude and rate.
+    `source`: its input, "deflection" or "wind". `numerator`: of the feedback of attitude and angle
+    of attack, ``(..., n)``, over the denominator of the plant, times s to the power `integrators`,
+    times `sensor_denominator`, of the filters of attitude and rate.
     """
     sensors, station = autopilot.lateral_sensors, autopilot.acceleration_station
     if sensors.drift_rate or sensors.drift:
@@ -386,12 +393,12 @@ def _with_lateral(
         on_path = np.stack(np.broadcast_arrays(*gains), axis=-1)
         on_path = polynomials.times_variable(on_path, integrators - sensors.drift)
         path = polynomials.multiply(on_path, plant.lateral_numerator("drift_rate", source, station))
-        numerator = polynomials.add(numerator, polynomials.multiply(path, below))
+        numerator = polynomials.add(numerator, polynomials.multiply(path, sensor_denominator))
     if sensors.acceleration:
         # g n bandwidth/(s + bandwidth), over a common denominator with the other feedback
         acceleration = plant.lateral_numerator("acceleration", source, station)
         gain = np.asarray(autopilot.acceleration_gain)[..., np.newaxis] * sensors.bandwidth
-        sensed = polynomials.multiply(gain * acceleration, below)
+        sensed = polynomials.multiply(gain * acceleration, sensor_denominator)
         sensed = polynomials.times_variable(sensed, integrators)
         numerator = polynomials.multiply(numerator, _accelerometer(autopilot))
         numerator = polynomials.add(numerator, sensed)
@@ -404,24 +411,27 @@ def _accelerometer(autopilot: Feedback) -> FloatArray:
 
 
 def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of an autopilot's filters in series, products of theirs.
+    """Return numerator and denominator of a series of filters; ones without filters.
 
-    `name`: of the attribute with these filters, one of `CHAINS`: those of the sensed attitude, of
-    the sensed rate, or of the command. Coefficients have the highest power of s first.
+    `name`: "attitude_filters", "rate_filters", or "filters" of the command. Coefficients have the
+    highest power of s first.
     """
-    above, below = np.ones(1), np.ones(1)
+    numerator, denominator = np.ones(1), np.ones(1)
     for filter_ in getattr(autopilot, name):
-        above = polynomials.multiply(above, filter_.numerator)
-        below = polynomials.multiply(below, filter_.denominator)
-    return above, below
+        numerator = polynomials.multiply(numerator, filter_.numerator)
+        denominator = polynomials.multiply(denominator, filter_.denominator)
+    return numerator, denominator
 
 
 def _actuator(autopilot: Feedback) -> tuple[FloatArray, FloatArray]:
-    """Return numerator and denominator of an autopilot's actuator; ones without an actuator."""
+    """Return numerator and denominator of an autopilot's actuator; ones without an actuator.
+
+    Coefficients have the highest power of s first. The actuator has unit steady gain.
+    """
     if autopilot.actuator is None:
         return np.ones(1), np.ones(1)
     denominator = autopilot.actuator.denominator
-    return denominator[..., -1:], denominator  # a numerator of its last coefficient: unit gain
+    return denominator[..., -1:], denominator
 
 
 _RELATIVE_PERIOD = 1e-9
@@ -436,7 +446,8 @@ def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem
     """Return the plant with its actuator, and the law of a sampled autopilot, as state spaces.
 
     The first is continuous and leads from the command to what the law reads, the second is in steps
-    of a sample and leads from there to the returned command. `InputError` as in `sampled_loop`.
+    of a sample and leads from there to the returned command. `InputError` for an unstable pole
+    above 50 sample rates, a delay above 25 samples, and a filter too fast for the sample rate.
     """
     period, delay = 1.0 / np.asarray(autopilot.sample_rate), np.asarray(autopilot.delay)
     sensed = measured_outputs(autopilot, plant)
@@ -458,7 +469,7 @@ def _vehicle_and_law(autopilot: Feedback, plant: AnyPlant) -> tuple[LinearSystem
 
 
 def loop_in_steps(autopilot: Feedback, plant: AnyPlant) -> LinearSystem:
-    """Return the open loop of an autopilot with a sample rate, from a command to the next.
+    """Return the open loop in steps of a sample, from the command to the returned command.
 
     `autopilot`: with a sample rate; its delay is exact. `plant`: one plant or a batch. Same
     exceptions as `sampled_loop`.
@@ -490,21 +501,28 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
     def delayed_form(delays: FloatArray, cases: IndexArray) -> StateLoop:
-        """Return the loops of `open_steps` in the w plane, for margins."""
+        """Return loops with delays [s] ``(k,)``, of cases ``(k,)``, in the w plane for margins."""
         return _w_plane_loops(open_steps(delays, cases), h.ravel()[cases])
 
     def delayed_closed_poles(delays: FloatArray, cases: IndexArray) -> ComplexArray:
-        """Return the closed-loop poles z of the loops of `open_steps`, ``(k, n)``."""
+        """Return closed-loop poles z ``(k, n)``, with delays [s] ``(k,)``, of cases ``(k,)``."""
         return open_steps(delays, cases).feedback(RETURNED, COMMAND).poles
 
-    open_loop = _w_plane_loops(vehicle.to_steps(h, T).series(law), h)
-    return SampledLoop(open_loop, batch, h, T, delayed_form, delayed_closed_poles)
+    return SampledLoop(
+        form=_w_plane_loops(vehicle.to_steps(h, T).series(law), h),
+        batch=batch,
+        period=h,
+        loop_delay=T,
+        delayed_form=delayed_form,
+        delayed_closed_poles=delayed_closed_poles,
+    )
 
 
 def _w_plane_loops(steps: LinearSystem, period: FloatArray) -> StateLoop:
-    """Return the loops L in w = (2/h)(z - 1)/(z + 1), closed by 1 + L = 0.
+    """Return the loops L as functions of w = (2/h)(z - 1)/(z + 1), closed by 1 + L = 0.
 
-    `steps`: open loops -L in steps of h, from the command to the returned command. `period`: h [s].
+    `steps`: open loops -L in steps of the period h, from the command to the returned command.
+    `period`: h [s].
     """
     A, B, C, D = steps.matrices()
     return w_plane_loop((A, B, 0.0 - C, 0.0 - D), period)

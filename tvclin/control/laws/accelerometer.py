@@ -72,7 +72,7 @@ class AccelerometerLaw(LinearLaw):
 
     def __post_init__(self) -> None:
         """Check autopilot, vehicle and sensor, and that the wind dominates the measurement."""
-        SaturatedLaw(self.autopilot)  # refuses an autopilot that is not of gains alone
+        SaturatedLaw(self.autopilot)  # raises for an autopilot that is not of gains alone
         instance("vehicle", self.vehicle, Vehicle, "see load_vehicle")
         single("vehicle", self.vehicle.batch)
         checked(self, "plane", "station", "bandwidth")
@@ -107,7 +107,7 @@ class AccelerometerLaw(LinearLaw):
         """Gain g on the acceleration [rad s2/m], so that the law has the autopilot's b0 on alpha.
 
         g = b0/(n_alpha + b0 n_delta), as g (n_alpha alpha + n_delta delta) = b0 alpha at delta =
-        b0 alpha.
+        b0 alpha, with the sensitivities n of the acceleration to angle of attack and deflection.
         """
         alpha, deflection, _ = self.sensitivities
         b0 = float(self.autopilot.alpha_gain)
@@ -117,11 +117,12 @@ class AccelerometerLaw(LinearLaw):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(1, 1)`` and G ``(1, 5)`` of s' = F s + G m, s the acceleration [m/s^2] measured.
 
-        s is the state of the sensor's lag, and m are the measurements, `LAW_INPUTS`.
+        s is the state of the sensor's lag, and m are attitude, its rate, flight path angle, angle
+        of attack and deflection.
         """
         alpha, deflection, rate = self.sensitivities
-        inputs = np.array([[0.0, rate, 0.0, alpha, deflection]])
-        return np.array([[-self.bandwidth]]), self.bandwidth * inputs
+        row = np.array([[0.0, rate, 0.0, alpha, deflection]])
+        return np.array([[-self.bandwidth]]), self.bandwidth * row
 
     @property
     def chains(self) -> Chains:
@@ -133,7 +134,8 @@ class AccelerometerLaw(LinearLaw):
         """Gains on attitude, its rate and the acceleration, which is the law's first state.
 
         With them the loop of an ideal nozzle has the autopilot's a0 and a1: the deflection that the
-        acceleration measures too is taken out by the factor 1 - g n_delta.
+        acceleration measures too is taken out by the factor 1 - g n_delta, with the gain g and the
+        sensitivity n_delta of the acceleration, and the attitude rate likewise.
         """
         _, deflection, rate = self.sensitivities
         factor = 1.0 - self.gain * deflection

@@ -32,7 +32,7 @@ class _AutopilotLaw(Law):
     def chains(self) -> Chains:
         """Filter chains of the autopilot."""
         a = self.autopilot
-        return Chains(a.attitude_filters, a.rate_filters, a.filters)
+        return Chains(a.attitude_filters, attitude_rate=a.rate_filters, demand=a.filters)
 
     @property
     def lateral_sensors(self) -> LateralSensors:
@@ -87,9 +87,10 @@ class SystemLaw(_AutopilotLaw):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of s' = F s + G m of a continuous controller, m being the eight measurements.
+        """F ``(k, k)`` and G ``(k, 8)`` of s' = F s + G m of a continuous controller.
 
-        `InputError` for a sampled controller.
+        s are its k states and m the eight measurements of a flight, as in `Measurement`.
+        `InputError` for a controller with a sample time.
         """
         system = self.autopilot.system
         if system.period is not None:
@@ -97,30 +98,31 @@ class SystemLaw(_AutopilotLaw):
                 f"the controller has a sample time of {float(system.period):.6g} s; give"
                 f" sample_rate = {1.0 / float(system.period):.6g} Hz"
             )
-        return system.A, system.B @ self._selection
+        return system.A, system.B @ self._selection  # of the inputs among the measurements
 
     @property
     def numbers(self) -> LawNumbers:
-        """Gain of one on the controller's output, which flights by samples measure as attitude."""
+        """Gain of one on the attitude, in whose place flights by samples put the output."""
         return LawNumbers(attitude=1.0)
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the deflection [rad] that a continuous controller commands, before the limit.
+        """Return the deflection C s + D m [rad] of a continuous controller, before the limit.
 
-        `measured`: measurements, of which it reads some. `states`: its states, ``(k, ...)``.
-        `limit`: is not used.
+        `measured`: measurements, of which m are the inputs of the controller. `states`: its states
+        s, ``(k, ...)``. `limit`: is not used.
         """
         system = self.autopilot.system
-        values = [measured[_MEASURED.index(name)] for name in system.inputs]
-        terms = [*zip(system.C[0], states, strict=True), *zip(system.D[0], values, strict=True)]
+        inputs = [measured[_MEASURED.index(name)] for name in system.inputs]
+        (C,), (D,) = system.C, system.D  # rows of the only output
+        terms = [*zip(C, states, strict=True), *zip(D, inputs, strict=True)]
         # Starts from a zero of the shape of the flights.
         return sum((gain * value for gain, value in terms if gain), 0.0 * measured.attitude)
 
     @property
     def _selection(self) -> FloatArray:
-        """Matrix ``(inputs, 8)`` of zeros and ones: inputs of the controller in `Measurement`.
+        """Matrix ``(inputs, 8)`` of zeros and ones, from measurements to inputs of the controller.
 
-        Times the eight measurements of a flight it gives what the controller reads.
+        Its columns are the eight measurements of a flight.
         """
         rows = [
             [float(name == field) for field in _MEASURED] for name in self.autopilot.system.inputs
@@ -129,7 +131,7 @@ class SystemLaw(_AutopilotLaw):
 
 
 def gain_numbers(autopilot: Autopilot) -> dict[str, Any]:
-    """Return the gains of an autopilot by their names in `LawNumbers`."""
+    """Return the gains of an autopilot by the names of `LawNumbers`: of measurement or state."""
     return {
         "attitude": autopilot.attitude_gain,
         "attitude_rate": autopilot.rate_gain,
@@ -186,7 +188,7 @@ class SaturatedLaw(_AutopilotLaw, LinearLaw):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(1, 1)`` and G ``(1, 5)`` of s' = F s + G m, s the integral of the attitude [rad s].
 
-        m are the measurements, `LAW_INPUTS`. Without integral gain there are no states.
+        m are five measurements, first the attitude. Without integral gain there are no states.
         """
         if not self.autopilot.integral_gain:
             return super().states
@@ -194,6 +196,6 @@ class SaturatedLaw(_AutopilotLaw, LinearLaw):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Gains a0, a1, b0, aI, d1, d0 and g of the autopilot."""
+        """Gains of the autopilot on measurements and on the integral, its first state."""
         gains: Any = {k: float(v) for k, v in gain_numbers(self.autopilot).items()}
         return LawNumbers(**gains)

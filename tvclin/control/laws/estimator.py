@@ -62,19 +62,20 @@ class WindEstimator(Record):
         """Return F ``(2, 2)`` and G ``(2, 5)`` of s' = F s + G m, the equations of the observer.
 
         s are the estimates q^ of the attitude rate [rad/s] and d^ of gamma + alpha_w [rad], m the
-        first five of `LAW_INPUTS`: attitude, its rate, path angle, angle of attack, deflection.
+        measurements attitude, its rate q, flight path angle, angle of attack, and deflection. The
+        gains on the error q - q^ give it the natural frequency `bandwidth` and a damping of 0.7.
         `plant`: the model, one plant with mu_alpha other than zero.
         """
         errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
         errors.single("plant", plant.batch)
         c, w = plant.coefficients, self.bandwidth
         mu_alpha = float(errors.nonzero("mu_alpha", c.mu_alpha, "1/s^2"))
-        gains = np.array([2.0 * _OBSERVER_DAMPING * w, -(w**2) / mu_alpha])  # on q - q^
-        F = np.array([[-gains[0], -mu_alpha], [-gains[1], 0.0]])
-        G = np.zeros((2, 5))
-        G[0, 0], G[0, 4] = mu_alpha, -float(c.mu_delta)
-        G[:, 1] = gains
-        G[0, 1] -= float(c.damping)
+        on_rate, on_wind = 2.0 * _OBSERVER_DAMPING * w, -(w**2) / mu_alpha  # gains on q - q^
+        F = np.array([[-on_rate, -mu_alpha], [-on_wind, 0.0]])
+        mu_delta, damping = float(c.mu_delta), float(c.damping)
+        G = np.array(
+            [[mu_alpha, on_rate - damping, 0.0, 0.0, -mu_delta], [0.0, on_wind, 0.0, 0.0, 0.0]]
+        )
         return F, G
 
 
@@ -115,11 +116,11 @@ class EstimatedLaw(Law):
         """Check that the law has no estimator, and take its switching levels."""
         errors.instance("law", self.law, Law, "such as SaturatedLaw")
         errors.instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
-        numbers = self.law.numbers
         if isinstance(self.law, SystemLaw):
             raise errors.InputError(
                 "a controller in state space takes no estimator; put one into it"
             )
+        numbers = self.law.numbers
         if isinstance(self.law, EstimatedLaw) or (numbers is not None and numbers.estimates):
             raise errors.InputError(
                 "law has an estimator already; give it the angle of attack of one"
@@ -132,17 +133,17 @@ class EstimatedLaw(Law):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F and G of s' = F s + G m, the estimator's states before the law's; m: measurements.
 
-        The law receives the estimates q^ of the attitude rate and d^ of gamma + alpha_w in place of
-        the measurements. Columns of G: attitude theta, its rate, path angle, angle of attack alpha,
-        deflection.
+        m are attitude theta, its rate, flight path angle, angle of attack alpha, deflection. The
+        law's states follow the estimates q^ of the rate and theta - d^ of alpha, d^ being that of
+        gamma + alpha_w.
         """
         (F, G), (F_law, G_law) = self.estimator.states(self.plant), self.law.states
-        direct = G_law.copy()
-        direct[:, 0] += G_law[:, 3]  # theta - d^ replaces alpha, and q^ replaces theta'
-        direct[:, [1, 3]] = 0.0
-        coupling = np.column_stack([G_law[:, 1], -G_law[:, 3]])  # on q^ and d^
+        on_theta, on_rate, on_path, on_alpha, on_deflection = G_law.T
+        none = np.zeros(len(F_law))
+        G_law = np.column_stack([on_theta + on_alpha, none, on_path, none, on_deflection])
+        coupling = np.column_stack([on_rate, -on_alpha])  # on q^ and d^
         zeros = np.zeros((2, len(F_law)))
-        return np.block([[F, zeros], [coupling, F_law]]), np.vstack([G, direct])
+        return np.block([[F, zeros], [coupling, F_law]]), np.vstack([G, G_law])
 
     @property
     def chains(self) -> Chains:
@@ -168,9 +169,11 @@ class EstimatedLaw(Law):
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the demanded deflection [rad], before the limit [rad].
 
-        `measured`: its rate and angle of attack are replaced by estimates. `states`: those of the
-        estimator, q^ and d^, and of the law, ``(k, ...)``.
+        `measured`: its rate and angle of attack are replaced by estimates. `states`: of the
+        estimator the rate q^ and the sum d^ of flight path angle and wind, and of the law, ``(k,
+        ...)``.
         """
-        alpha = measured.attitude - states[1]
-        estimated = measured._replace(attitude_rate=states[0], angle_of_attack=alpha)
+        rate, path_and_wind, *_ = states
+        alpha = measured.attitude - path_and_wind
+        estimated = measured._replace(attitude_rate=rate, angle_of_attack=alpha)
         return self.law.demand(estimated, states[2:], limit)

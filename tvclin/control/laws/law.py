@@ -36,11 +36,9 @@ _MEASURED_STATES = 3
 
 
 def law_rate_limit(name: str, value: ArrayLike, unit: str = "rad/s") -> float:
-    """Return the rate limit [rad/s] of a law: infinite, or from 1e-15, practically zero, to 1e9.
+    """Return the rate limit [rad/s] of a law: infinite, or 1e-15 to 1e9; not zero, a divisor.
 
-    Exactly zero would divide by it.
-
-    `InputError` for another `value`, with `name` and `unit` of the argument.
+    `name`, `unit`: of the argument, for the `InputError` on another `value`.
     """
     return unlimited(name, value, between(1e-15, 1e9), unit)
 
@@ -94,19 +92,20 @@ class Law(Record, ABC):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(k, k)`` and G ``(k, 5)`` of s' = F s + G m, s being k states of the law.
 
-        m are the first five of `LAW_INPUTS`: attitude, its rate, path angle, angle of attack,
-        deflection. By default k is zero.
+        m are five measurements: attitude, its rate, flight path angle, angle of attack, deflection.
+        By default k is zero.
         """
         return np.zeros((0, 0)), np.zeros((0, 5))
 
     @property
     def state_space(self) -> LinearSystem:
-        """State space from the measurements, `LAW_INPUTS`, to the law's states."""
+        """State space from the measurements, by the names `LAW_INPUTS`, to the law's states."""
         F, G = self.states
         # The states follow no lateral sensors, the last inputs.
         G = np.pad(G, ((0, 0), (0, len(LAW_INPUTS) - G.shape[1])))
+        C, D = np.eye(len(F)), np.zeros(G.shape)
         names = tuple(f"law_{k}" for k in range(1, len(F) + 1))
-        return LinearSystem(F, G, np.eye(len(F)), np.zeros(G.shape), LAW_INPUTS, names, names)
+        return LinearSystem(F, G, C, D, inputs=LAW_INPUTS, outputs=names, states=names)
 
     @property
     def chains(self) -> Chains:
@@ -152,7 +151,11 @@ class LinearLaw(Law):
         """Gains of the law, for flights in Python and as machine code."""
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the demanded deflection [rad]: the sum of gains times measurements and states."""
+        """Return the demanded deflection [rad], before the limit: gains times measurements.
+
+        `measured`: numbers or ``(...)`` over flights. `states`: of the law, ``(k, ...)``, which
+        have gains too. `limit`: is not used by a linear law.
+        """
         return law_demand(self.numbers, measured, states, limit)
 
 
@@ -160,8 +163,9 @@ def measured_coordinates(plant: Plant) -> UnstableCoordinates:
     """Return the coordinates of the unstable modes of a plant as combinations of measurements.
 
     Attitude, its rate and the flight path angle are the first states of every plant; the left
-    eigenvectors are ``(N, 2)`` or ``(N, 3)``. `InputError` in the same cases as
-    `unstable_coordinates`, and for a plant whose unstable modes include its speed.
+    eigenvectors, whose product with the states is the coordinate, are ``(N, 2)`` or ``(N, 3)``.
+    `InputError` in the same cases as `unstable_coordinates`, and for a plant whose unstable modes
+    include its speed, its fourth state.
     """
     modes = unstable_coordinates(plant)
     if np.any(modes.left_eigenvectors[:, _MEASURED_STATES:]):
@@ -321,8 +325,7 @@ class LawInPlanes:
         """Return the demanded deflections [rad], before the limit, pitch + j yaw, ``(m,)``.
 
         With a radial limit the scalar law acts along the measured wind and across it, each with the
-        limit of the shape in that direction; else in pitch and in yaw. Of the measurements 0 is the
-        attitude theta, 2 the flight path angle gamma and 3 the angle of attack alpha.
+        limit of the shape in that direction; else in pitch and in yaw.
 
         `measured`: measurements of both planes in the order of `Measurement`, complex ``(m, 8)``.
         `states`: states of the law, complex ``(m, k)``. `limit`: scale [rad] of the limit shape,
@@ -331,13 +334,14 @@ class LawInPlanes:
         if not self.radial:
             limits = [limit * plane_limit for plane_limit in self.plane_limits]
             return self._by_components(measured, states, limits)
-        # The wind is theta - alpha - gamma, or the estimate of theta - alpha minus gamma.
+        # The wind is theta - alpha - gamma; an estimator has theta - alpha as its second state.
+        attitude, path, alpha = measured[:, 0], measured[:, 2], measured[:, 3]
         estimates = getattr(self.law, "estimator", None) is not None
-        wind = states[:, 1] if estimates else measured[:, 0] - measured[:, 3]
-        wind = wind - measured[:, 2]
+        wind = (states[:, 1] if estimates else attitude - alpha) - path
         size = np.abs(wind)
         direction = np.where(size > 0.0, wind / np.where(size > 0.0, size, 1.0), 1.0)
         shape, rotation = self.shape, np.conj(direction)[:, np.newaxis]
+        # the gauge of a unit vector is one over the limit in its direction
         limits = [
             limit / np.maximum(shape.gauge(axis), shape.gauge(-axis))
             for axis in (direction, 1j * direction)
@@ -356,19 +360,19 @@ class LawInPlanes:
             return demand / np.maximum(ratio, 1.0), ratio >= 1.0
         bounds = self.plane_limits[:, np.newaxis] * limit
         components = np.stack([demand.real, demand.imag])
-        limited = np.clip(components, -bounds, bounds)
-        return limited[0] + 1j * limited[1], np.any(np.abs(components) >= bounds, axis=0)
+        pitch, yaw = np.clip(components, -bounds, bounds)
+        return pitch + 1j * yaw, np.any(np.abs(components) >= bounds, axis=0)
 
     def _by_components(
         self, measured: Vectors, states: Vectors, limits: list[FloatArray]
     ) -> Vectors:
-        """Return the demand of the scalar law on real and imaginary components [rad], ``(m,)``.
+        """Return the law's demand on the real components + j its demand on the imaginary, ``(m,)``.
 
         `measured` ``(m, 8)`` and `states` ``(m, k)`` are complex; `limits`: deflection limits [rad]
         of the real and the imaginary component, ``(m,)`` each.
         """
         real, imaginary = (
-            np.asarray(self.law.demand(Measurement(*take(measured).T), take(states).T, limit))
-            for take, limit in zip((np.real, np.imag), limits, strict=True)
+            np.asarray(self.law.demand(Measurement(*part(measured).T), part(states).T, limit))
+            for part, limit in zip((np.real, np.imag), limits, strict=True)
         )
         return np.asarray(real + 1j * imaginary)

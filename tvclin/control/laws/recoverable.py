@@ -117,25 +117,27 @@ class RecoverableAttitudeLaw(Law):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Parameters for compiled flights: rows of both coordinates, and numbers of the lean.
+        """Parameters for compiled flights: factors of both coordinates, and numbers of the lean.
 
         The coordinates [rad] of the fast and, with drift, of the slow unstable mode are sums of
-        attitude, its rate and flight path angle; a row has these three factors.
+        attitude, its rate and flight path angle, with the factors of a left eigenvector.
         """
         modes = measured_coordinates(self.plant)
         # A row of two on a fixed path has a zero for the flight path angle.
         fast, slow = ([*row.tolist(), 0.0][:3] for row in modes.left_eigenvectors[[0, -1]])
         slow = slow if modes.ratio else [0.0, 0.0, 0.0]  # the ratio is zero with a single mode
+        fast_attitude, fast_rate, fast_path = fast
+        slow_attitude, slow_rate, slow_path = slow
         return LawNumbers(
             leans=True,
-            fast_attitude=fast[0],
-            fast_rate=fast[1],
-            fast_path=fast[2],
-            slow_attitude=slow[0],
-            slow_rate=slow[1],
-            slow_path=slow[2],
+            fast_attitude=fast_attitude,
+            fast_rate=fast_rate,
+            fast_path=fast_path,
+            slow_attitude=slow_attitude,
+            slow_rate=slow_rate,
+            slow_path=slow_path,
             ratio=modes.ratio,
-            wind=float(modes.wind[0]),
+            wind=float(modes.wind[0]),  # of the fast mode
             B=float(self.plant.coefficients.B),
             reach=self.reach,
             gain=self.gain,
@@ -153,13 +155,13 @@ class RecoverableAttitudeLaw(Law):
         path angle, angle of attack. `states`: of the estimator, ``(2, ...)``, or none. `limit`
         [rad]: ``(...)``.
         """
-        shape = np.broadcast_shapes(*(np.shape(value) for value in (*measured[:4], limit)))
+        angles = measured[:4]
+        shape = np.broadcast_shapes(*(np.shape(value) for value in (*angles, limit)))
         if not shape and states.ndim == 1:
             return law_demand(self.numbers, measured, states.tolist(), limit)
         columns = (
-            np.broadcast_to(value, shape).ravel().tolist()
-            for value in (*measured[:4], *states, limit)
+            np.broadcast_to(value, shape).ravel().tolist() for value in (*angles, *states, limit)
         )
-        flights = zip(*columns, strict=True)
+        flights = zip(*columns, strict=True)  # of each four angles, states and the limit
         demands = [law_demand(self.numbers, row[:4], row[4:-1], row[-1]) for row in flights]
         return np.array(demands).reshape(shape)

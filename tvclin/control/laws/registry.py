@@ -32,54 +32,38 @@ AUTOPILOT, DEAD_BAND = "autopilot", "dead-band"
 def _feedback(
     plant: Plant, peak: float, rate_limit: float, autopilot: Autopilot | None = None
 ) -> Law:
-    """Return the law of an `autopilot` without filters, by default of a plant's canonical gains.
+    """Return the law of an autopilot without its filters, by default of a plant's canonical gains.
 
-    `peak` and `rate_limit` are not used; all functions of `LAWS` have them.
+    `peak` and `rate_limit` are not used; the design functions of all laws have them.
     """
     if autopilot is None:
         return SaturatedLaw(canonical_gains(plant.coefficients))
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     if isinstance(autopilot, SystemAutopilot):
-        bare: Any = dict.fromkeys(CHAINS, ())
-        return SystemLaw(replace(autopilot, **bare))
+        no_filters: Any = dict.fromkeys(CHAINS, ())
+        return SystemLaw(replace(autopilot, **no_filters))
     names = (*GAINS, *ACCELEROMETER)
     return SaturatedLaw(Autopilot(**{name: getattr(autopilot, name) for name in names}))
 
 
-def _trim(plant: Plant, peak: float, rate_limit: float) -> Law:
-    """Return ideal trim of `plant` on a fixed path, with a gain that peak and rate limit allow."""
-    return TrimLaw.suited(Plant(plant.coefficients, "fixed-path"), peak, rate_limit)
-
-
-def _dead_band(plant: Plant, peak: float, rate_limit: float, dead_band: float = 0.5) -> Law:
-    """Return the report's control with `dead_band` K on a fixed path.
-
-    Trim inside K times the limit, then the full limit. `peak` and `rate_limit` are not used; all
-    functions of `LAWS` have them.
-    """
-    return DeadBandLaw(Plant(plant.coefficients, "fixed-path"), dead_band=dead_band)
-
-
-def _half_relief(plant: Plant, peak: float, rate_limit: float) -> Law:
-    """Return the law of a plant's half-relief gains.
-
-    `peak` and `rate_limit` are not used; all functions of `LAWS` have them.
-    """
-    return SaturatedLaw(half_relief_gains(plant.coefficients))
-
-
-def _recoverable(plant: Plant, peak: float, rate_limit: float) -> Law:
-    """Return the recoverable-attitude law for a wind peak [rad] and rate limit [rad/s]."""
-    return RecoverableAttitudeLaw(plant, design_peak=peak, rate_limit=rate_limit)
+def _fixed_path(plant: Plant) -> Plant:
+    """Return the plant of the same coefficients on a fixed path."""
+    return Plant(plant.coefficients, "fixed-path")
 
 
 LAWS: Mapping[str, Callable[..., Law]] = MappingProxyType(
     {
         AUTOPILOT: _feedback,
-        "trim": _trim,
-        DEAD_BAND: _dead_band,
-        "half-relief": _half_relief,
-        "recoverable-attitude": _recoverable,
+        "trim": lambda plant, peak, rate: TrimLaw.suited(_fixed_path(plant), peak, rate),
+        DEAD_BAND: lambda plant, peak, rate, dead_band=0.5: DeadBandLaw(
+            _fixed_path(plant), dead_band=dead_band
+        ),
+        "half-relief": lambda plant, peak, rate: SaturatedLaw(
+            half_relief_gains(plant.coefficients)
+        ),
+        "recoverable-attitude": lambda plant, peak, rate: RecoverableAttitudeLaw(
+            plant, design_peak=peak, rate_limit=rate
+        ),
     }
 )
 """Design functions of a plant, a wind peak [rad], a rate limit [rad/s], and options of the law."""
@@ -125,7 +109,7 @@ def design_law(
     design = LAWS[one_of("law", name, LAWS)]
     instance("plant", plant, Plant, PLANT_HINT)
     for key in options:
-        if key != _OPTIONS.get(name):
+        if key != _OPTIONS.get(name):  # of two laws that have one option each
             raise InputError(f"{key} is not of the law {name}; leave it out")
     rate = law_rate_limit("rate_limit", rate_limit, "rad/s")
     return design(plant, number("peak", peak, small_angle("a wind angle"), "rad"), rate, **options)
@@ -147,7 +131,7 @@ def linear_gains(law: Law) -> dict[str, float] | None:
 
 
 def design_notes(law: Law) -> Iterator[str]:
-    """Yield notes on the design of a law for the reader of its flight."""
+    """Yield a note for the reader of a flight if a rate limit has reduced the gain of trim."""
     law = law.law if isinstance(law, FilteredLaw) else law
     if type(law) is TrimLaw and law.gain < TrimLaw.gain:
         yield _TRIM_NOTE.format(law.gain, TrimLaw.gain)

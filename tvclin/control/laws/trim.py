@@ -87,7 +87,7 @@ class TrimLaw(LinearLaw):
         angle, with the factors of its left eigenvector; on a fixed path the last is zero.
         """
         B = float(self.plant.coefficients.B)
-        row = measured_coordinates(self.plant).left_eigenvectors[0]
+        row = measured_coordinates(self.plant).left_eigenvectors[0]  # two factors on a fixed path
         attitude, rate, path = [*row.tolist(), 0.0][:3]
         return LawNumbers(
             attitude=B * self.gain * attitude,

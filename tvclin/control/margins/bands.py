@@ -71,17 +71,17 @@ class Terms:
         distances = form.open_poles()[:, np.newaxis] - loop.s_to_w(plant)[..., np.newaxis]
         nearest = np.argmin(np.nan_to_num(np.abs(distances), nan=np.inf), axis=-1)
         poles = np.take_along_axis(form.open_poles(), nearest, axis=-1)
+        # a case is the index of a loop's matrices, which several loops may share
         residues = np.take_along_axis(form.residues[form.case], nearest, axis=-1)
         missing = np.isnan(plant)
-        return cls(
-            loop, form, plant, np.where(missing, np.nan, poles), np.where(missing, 0.0, residues)
-        )
+        poles, residues = np.where(missing, np.nan, poles), np.where(missing, 0.0, residues)
+        return cls(loop, form, plant, poles, residues)
 
     def owner(self, omega: FloatArray, values: AnyArray | None = None) -> IndexArray:
-        """Return the index of the largest term of k loops at m frequencies ``(k, m)``; -1 if rigid.
+        """Return the index of the mode with the largest term of L, ``(k, m)``; -1: rigid body.
 
-        A mode's term is r/(s - p) + conj(r)/(s - conj(p)) of its pole p and residue r at s = j nu;
-        the rigid body's is the rest of L without its delay.
+        Of k loops at m frequencies. A mode's term is r/(s - p) + conj(r)/(s - conj(p)) of its pole
+        p and residue r at s = j nu; the rigid body's is the rest of L without its delay.
 
         `omega`: frequencies [rad/s], ``(k, m)``. `values`: L at these frequencies, if known.
         """
@@ -94,34 +94,32 @@ class Terms:
             delay = np.exp(-1j * nu * self.form.delay[:, np.newaxis])
             rigid = values / delay - modes.sum(axis=1)
             sizes = np.abs(np.concatenate([rigid[:, np.newaxis], modes], axis=1))
+        # less one, as the rigid body is the first of the terms
         return np.argmax(np.nan_to_num(sizes, nan=-1.0, posinf=np.inf), axis=1) - 1
 
     def values(self, omega: FloatArray) -> AnyArray:
-        """Return L of k loops at frequencies `omega` [rad/s], both ``(k, m)``; infinite at a pole.
-
-        `form` has numerator and denominator of L in its own variable: s, or w if sampled.
-        """
-        above, below = self.form.parts(np.imag(self.loop.s_to_w(1j * omega)))
+        """Return L of k loops at frequencies `omega` [rad/s], both ``(k, m)``; inf at a pole."""
+        # the form has numerator and denominator as functions of s, or of w if sampled
+        numerator, denominator = self.form.parts(np.imag(self.loop.s_to_w(1j * omega)))
         with np.errstate(all="ignore"):
-            return above / below
+            return numerator / denominator
 
 
 def _frequencies(terms: Terms, k: int) -> FloatArray:
     """Return rising search frequencies [rad/s] around a mode (or its alias), ``(loops, m)``.
 
-    Close together within 40 half-widths of its resonance, and from 1/20 to 20 of its frequency.
-    `terms`: partial fractions of the loops. `k`: index of the mode.
+    Close together within 40 half-widths of its resonance, and from 1/20 to 20 of its frequency; at
+    most half the sample rate. `terms`: partial fractions of the loops. `k`: index of the mode.
     """
-    pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])
+    pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])  # [1/s], (loops, 1)
     # Half-width of the resonance; a mode without damping would have none.
     width = np.maximum(np.abs(pole.real), 1e-6 * np.abs(pole))
-    resonance = pole.imag + width * _OFFSETS
+    resonance = pole.imag + width * _OFFSETS  # -40 to 40 half-widths
     low, high = 0.05 * pole.imag, 20.0 * pole.imag
     grid = low * (high / low) ** np.linspace(0.0, 1.0, _GRID_FREQUENCIES)
     omega = np.concatenate([resonance, grid], axis=-1)
     omega = np.where(omega > 0.0, omega, low)
-    omega = np.minimum(omega, terms.loop.max_frequency())
-    return np.sort(omega, axis=-1)
+    return np.sort(np.minimum(omega, terms.loop.max_frequency()), axis=-1)
 
 
 def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
@@ -138,21 +136,21 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
     height = sizes[rows, top]
     nu = np.imag(terms.loop.s_to_w(1j * omega))  # in the variable of the form, w if sampled
     inner = np.clip(top, 1, omega.shape[-1] - 2)
-    low, at, high = (nu[rows, inner + j] for j in (-1, 0, 1))
+    low, peak, high = (nu[rows, inner + j] for j in (-1, 0, 1))  # frequencies around the sample
     owned = np.flatnonzero(np.isfinite(height))  # loops in which the mode owns a frequency
     if owned.size:
         form = terms.form.take(owned)
 
         def negative_gain(frequency: FloatArray) -> FloatArray:
             """Return -|L| of the loops in which the mode owns a frequency, to be minimised."""
-            above, below = form.parts(frequency)
-            return -np.abs(above / below)
+            numerator, denominator = form.parts(frequency)
+            return -np.abs(numerator / denominator)
 
-        ends = low[owned], high[owned]
-        location, minimum = grid_minimum(negative_gain, *ends, PEAK_REFINEMENTS, smooth=True)
+        bounds = low[owned], high[owned]
+        location, minimum = grid_minimum(negative_gain, *bounds, PEAK_REFINEMENTS, smooth=True)
         better = -minimum > height[owned]
-        height[owned[better]], at[owned[better]] = -minimum[better], location[better]
-    frequency = np.imag(terms.loop.w_to_s(1j * at[:, np.newaxis]))[:, 0]
+        height[owned[better]], peak[owned[better]] = -minimum[better], location[better]
+    frequency = np.imag(terms.loop.w_to_s(1j * peak[:, np.newaxis]))[:, 0]
     none = ~np.isfinite(height)
     return np.where(none, np.nan, height), np.where(none, np.nan, frequency)
 
@@ -163,33 +161,34 @@ def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
     `terms`: partial fractions of the loops. `k`: index of the mode. `closed`: its closed-loop pole,
     ``(loops,)``. If it lies in that range, the minimum is near it and as wide as its half-width.
     """
-    pole, damped = (terms.loop.w_to_s(p[:, np.newaxis]) for p in (terms.poles[:, k], closed))
-    half_range = _DISTANCE_HALF_WIDTHS * np.abs(pole.real)
-    low, high = pole.imag - half_range, pole.imag + half_range
+    open_pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])  # [1/s], (loops, 1)
+    closed_pole = terms.loop.w_to_s(closed[:, np.newaxis])
+    half_range = _DISTANCE_HALF_WIDTHS * np.abs(open_pole.real)
+    low, high = open_pole.imag - half_range, open_pole.imag + half_range
     grid = low + (high - low) * np.linspace(0.0, 1.0, _DISTANCE_FREQUENCIES)
-    resonance = np.clip(damped.imag + np.abs(damped.real) * _OFFSETS, low, high)
+    # and close together around the closed-loop pole, -40 to 40 half-widths
+    resonance = np.clip(closed_pole.imag + np.abs(closed_pole.real) * _OFFSETS, low, high)
     omega = np.sort(np.nan_to_num(np.concatenate([grid, resonance], axis=-1)), axis=-1)
 
     def distance(omega: FloatArray) -> FloatArray:
         """Return |1 + L|^2 at frequencies `omega` [rad/s]: smooth where it vanishes."""
-        returned = terms.values(np.abs(omega))
-        return np.asarray((1.0 + returned.real) ** 2 + returned.imag**2)
+        L = terms.values(np.abs(omega))
+        return np.asarray((1.0 + L.real) ** 2 + L.imag**2)
 
     values = distance(omega)
     rows, last = np.arange(len(values)), values.shape[-1] - 1
     smallest = np.argmin(np.nan_to_num(values, nan=np.inf), axis=-1)
     before, after = (omega[rows, np.clip(smallest + step, 0, last)] for step in (-1, 1))
-    refined = grid_minimum(distance, before, after, PEAK_REFINEMENTS, smooth=True)[1]
+    _, refined = grid_minimum(distance, before, after, PEAK_REFINEMENTS, smooth=True)
     return np.sqrt(np.minimum(values.min(axis=-1), refined))
 
 
 def closed_mode_poles(terms: Terms) -> AnyArray:
-    """Return the closed-loop poles of n modes of k loops, ``(k, n)``, in the variable of the loop.
+    """Return the closed-loop poles of n modes of k loops [1/s], ``(k, n)``: s, or w if sampled.
 
     `terms`: their partial fractions. A mode's pole p is continued as the gain g rises from zero to
     one, by Newton's iteration on (s - p)(1 + g L) = 0, which has no pole at p; it starts just
-    beside p. `form` has L and its slope over s, or over w if sampled. A mode without a residue
-    stays at p.
+    beside p, where L is defined. A mode without a residue stays at p.
     """
     p = terms.poles
     s = p * (1.0 - _START_OFFSET)
@@ -351,7 +350,7 @@ def band_margins(
         raise InputError(
             "band_margins() takes loops that are held as matrices; see Loop.from_system"
         )
-    count = len(loop.form.case)
+    count = len(loop.form.case)  # of loops in the flattened batch
     plant_poles = np.broadcast_to(poles, (*loop.batch, len(names))).reshape(count, len(names))
     terms = Terms.of(loop, plant_poles)
     analysis = loop.analysis(delays=delays)
@@ -361,8 +360,11 @@ def band_margins(
     rigid, *modes = (
         {key: in_batch_shape(v, loop.batch) for key, v in band.items()} for band in bands
     )
-    by_mode = (ModeBand(name=name, **band) for name, band in zip(names, modes, strict=True))
-    return BandMargins(margins_of(analysis, loop.batch), RigidBand(**rigid), tuple(by_mode))
+    return BandMargins(
+        margins=margins_of(analysis, loop.batch),
+        rigid=RigidBand(**rigid),
+        modes=tuple(ModeBand(name=name, **m) for name, m in zip(names, modes, strict=True)),
+    )
 
 
 def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
@@ -370,25 +372,20 @@ def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
 
     `terms`: partial fractions of the loops. `analysis`: their crossings.
     """
-    # Aero margin, gain increase and phase margin with their frequencies; -1 is the rigid body.
+    # Aero margin, gain increase and phase margin, each with its frequency, as in `RigidBand`; not
+    # the delay margin. -1 is the rigid body.
     pairs = classical_margins(_owned(terms, analysis, -1))[:3]
     pairs[..., ~analysis.stable] = np.nan
     names = (field.name for field in fields(RigidBand))
     return dict(zip(names, pairs.reshape(-1, len(analysis.stable)), strict=True))
 
 
-_GAIN_FIELDS = (
-    *("gain_reduction", "gain_reduction_frequency"),
-    *("gain_increase", "gain_increase_frequency"),
-)
-
-
 def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dict[str, Any]:
-    """Return the fields of `ModeBand` of k loops by name, except the mode's own name, ``(k,)``.
+    """Return the fields of `ModeBand` by name, but the name of the mode, of all loops ``(loops,)``.
 
     `terms`: partial fractions of the loops. `analysis`: their crossings. `k`: index of the mode.
-    `closed`: its closed-loop pole, ``(k,)``. A mode owns the frequencies at which its partial
-    fraction is the largest term of L. `ModeBand` tells what its kinds of stabilisation are.
+    `closed`: its closed-loop pole, ``(loops,)``. A mode owns the frequencies at which its partial
+    fraction is the largest term of L.
     """
     pole = terms.plant[:, k]
     owned = _owned(terms, analysis, k)
@@ -396,17 +393,26 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     dominant = terms.owner(np.nan_to_num(np.imag(pole), nan=1.0)[:, np.newaxis])[:, 0] == k
     crosses = np.any(~np.isnan(owned.phases), axis=-1)  # |L| is one at an owned frequency
     by_phase = crosses | (dominant & (peak >= 1.0))
-    kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
     # The first kind that holds: closed-loop pole unstable, |L| reaches one, not the largest term.
-    # Phases up to -1: the smallest positive one is the lag margin, the smallest negative the lead.
-    signed = (np.where(phase > 0.0, phase, np.nan) for phase in (owned.phases, -owned.phases))
-    lags = [row_minimum(phase, analysis.gain_frequencies)[0] for phase in signed]
-    gain_reduction, gain_increase, (_, crossover) = classical_margins(owned)[:3]
-    margins = np.stack([*lags, crossover, *gain_reduction, *gain_increase])
-    margins[:, ~analysis.stable] = np.nan
-    names = ("lag_margin", "lead_margin", "crossover_frequency", *_GAIN_FIELDS)
+    kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
+
+    def smallest_positive(phases: FloatArray) -> FloatArray:
+        """Return the smallest positive phase [rad] of each loop, ``(loops,)``."""
+        minimum, _ = row_minimum(np.where(phases > 0.0, phases, np.nan), analysis.gain_frequencies)
+        return minimum
+
+    reduction, increase, (_, crossover), *_ = classical_margins(owned)  # with frequencies
+    margins = {
+        "lag_margin": smallest_positive(owned.phases),
+        "lead_margin": smallest_positive(-owned.phases),
+        "crossover_frequency": crossover,
+        "gain_reduction": reduction[0],
+        "gain_reduction_frequency": reduction[1],
+        "gain_increase": increase[0],
+        "gain_increase_frequency": increase[1],
+    }
     return {
-        **dict(zip(names, margins, strict=True)),
+        **{name: np.where(analysis.stable, row, np.nan) for name, row in margins.items()},
         "pole": pole,
         "closed_pole": terms.loop.w_to_s(closed[:, np.newaxis])[:, 0],
         "stabilised": kinds,
@@ -418,10 +424,11 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
 
 
 def _owned(terms: Terms, analysis: LoopAnalysis, k: int) -> LoopAnalysis:
-    """Return the analysis with NaN for all crossings that the k-th mode does not own; rigid: -1.
+    """Return the analysis with NaN for all crossings that a mode does not own.
 
     A mode owns a frequency at which its partial fraction is the largest term of L. `terms`: partial
-    fractions of the loops. `analysis`: all crossings of the loops.
+    fractions of the loops. `analysis`: all crossings of the loops. `k`: index of the mode; -1 is
+    the rigid body.
     """
 
     def select(omega: FloatArray, values: FloatArray) -> FloatArray:

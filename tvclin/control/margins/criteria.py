@@ -67,12 +67,12 @@ class Criterion(Record):
 
     @property
     def unit(self) -> str:
-        """Unit of the limit."""
+        """Unit of the limit: dB, deg, s, or empty."""
         return _UNITS[self.margin]
 
     @property
     def shown(self) -> tuple[float, str]:
-        """Limit in the unit of tables, and that unit."""
+        """Limit in the unit of tables, which is ms for a delay, and that unit."""
         unit = "ms" if self.unit == "s" else self.unit
         return unit_factor(unit) * self.limit, unit
 
@@ -119,12 +119,14 @@ class Judgement(Record):
 
     @property
     def shortfall(self) -> Line:
-        """Name and surplus of one margin, for a margin that does not satisfy its criterion.
+        """Text on a margin of one loop that misses its limit: name and surplus, as "phase -3 deg".
 
         The name is the mode's, if it is a margin of one.
         """
         _, unit = self.criterion.shown
-        label = self.band or MARGINS[self.criterion.margin][0]
+        label = self.band
+        if not label:
+            label, *_ = MARGINS[self.criterion.margin]
         surplus = unit_factor(unit) * self.surplus
         return (f"{label} ", *significant(f"{label}.surplus", surplus, 3, unit))
 
@@ -274,7 +276,8 @@ def _judge(criterion: Criterion, margins: Margins) -> Judgement:
     value = np.asarray(getattr(margins, criterion.margin), dtype=float)
     surplus = value - criterion.limit
     surplus = -surplus if criterion.is_upper_limit else surplus
-    return Judgement(criterion, plain(value), plain(surplus), plain_bool(surplus >= 0.0))
+    satisfied = plain_bool(surplus >= 0.0)
+    return Judgement(criterion, plain(value), plain(surplus), satisfied)
 
 
 def _judge_mode(criterion: Criterion, loop: Margins, mode: ModeBand) -> Judgement:
@@ -284,12 +287,13 @@ def _judge_mode(criterion: Criterion, loop: Margins, mode: ModeBand) -> Judgemen
     surplus infinite; both are NaN, and it is not satisfied, where the loop is not stable. `loop`:
     margins of the whole loop.
     """
+    # the attribute gain_margin_dB or phase_margin_deg, NaN for a mode stabilised otherwise
     value = np.asarray(getattr(mode, _MODE_MARGINS[criterion.margin]), dtype=float)
     value = np.where(loop.stable, value, np.nan)
     applies = np.asarray(loop.stable) & ~np.isnan(value)
     surplus = np.where(applies, value - criterion.limit, np.where(loop.stable, np.inf, np.nan))
     satisfied = plain_bool((surplus >= 0.0)[()])
-    return Judgement(criterion, plain(value), plain(surplus), satisfied, mode.name)
+    return Judgement(criterion, plain(value), plain(surplus), satisfied, band=mode.name)
 
 
 def plain_bool(array: Any) -> Any:
@@ -322,11 +326,13 @@ def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
     rows: list[tuple[Line, ...]] = []
     for name, label, value, unit, frequency in margins.rows():
         key = f"margin.{name}"
-        at, shown = significant(f"{key}.rad_per_s", frequency), margin(key, value, unit)
-        if name in _FACTORS and np.isfinite(value):
+        frequency_cell = significant(f"{key}.rad_per_s", frequency)
+        value_cell = margin(key, value, unit)
+        if name in _FACTORS and np.isfinite(value):  # a margin in dB: also as a factor
             factor = significant(f"{key}.factor", getattr(margins, _FACTORS[name]), 3)
-            shown = (*shown, " (", *factor, "x)")
-        rows.append((labelled(label), shown, at, *_limit_cells(by_margin.get(name))))
+            value_cell = (*value_cell, " (", *factor, "x)")
+        limit_cells = _limit_cells(by_margin.get(name))
+        rows.append((labelled(label), value_cell, frequency_cell, *limit_cells))
         if name == "disk_margin":
             gain = margin(f"{key}.gain", margins.disk_margin_dB, "dB")
             phase = margin(f"{key}.phase", margins.disk_phase_deg, "deg")
@@ -342,9 +348,10 @@ def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
     without any the table has no columns for limits.
     """
     rows: list[tuple[Line, ...]] = []
+    # the first three margins: gain may fall, gain may rise, phase
     for name, label in zip(MARGINS, ("down", "up", "phase"), strict=False):
-        _, unit, where = MARGINS[name]
-        at = significant(f"rigid.{name}.rad_per_s", getattr(bands.rigid, where))
+        _, unit, frequency = MARGINS[name]
+        at = significant(f"rigid.{name}.rad_per_s", getattr(bands.rigid, frequency))
         value = margin(f"rigid.{name}", getattr(bands.rigid, name), unit)
         rows.append(((f"rigid {label}",), ("",), at, value, ("",), ("",)))
     rows = rows if bands.margins.stable else []
@@ -358,7 +365,11 @@ def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
 
 
 def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
-    """Return name, kind of stabilisation, frequency and margin of a mode, the k-th of the table."""
+    """Return the cells of a mode in the table of bands: name, stabilisation, frequency and margin.
+
+    `k`: index of the mode, for the keys of the numbers. The margin is that of its kind of
+    stabilisation: gain, phase, or the distance of L from -1.
+    """
     key = f"band.{k}"
     margins = {
         GAIN: margin(f"{key}.gain", mode.gain_margin_dB, "dB"),
@@ -375,14 +386,18 @@ def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
 
 
 def _gain_cells(k: int, mode: ModeBand, loop: Margins) -> Iterator[tuple[Line, ...]]:
-    """Yield name, frequency and gain margin of the k-th mode, where it limits the loop's."""
+    """Yield the cells of a row with a mode's gain margin, if it is the margin of the whole loop.
+
+    The cells are the name with "down" or "up", none, frequency and margin. `k`: index of the mode,
+    for the keys of the numbers. `loop`: margins of the whole loop.
+    """
     margins = {"reduction": ("down", loop.aero_margin), "increase": ("up", loop.gain_increase)}
     for change, (label, of_loop) in margins.items():
-        factor, at = (getattr(mode, f"gain_{change}{of}") for of in ("", "_frequency"))
+        factor = getattr(mode, f"gain_{change}")
         if np.isfinite(factor) and factor == of_loop:
             key = f"band.{k}.gain_{change}"
-            value = margin(key, decibels(factor), "dB")
-            yield (f"{mode.name} {label}",), ("",), significant(f"{key}.rad_per_s", at), value
+            at = significant(f"{key}.rad_per_s", getattr(mode, f"gain_{change}_frequency"))
+            yield (f"{mode.name} {label}",), ("",), at, margin(key, decibels(factor), "dB")
 
 
 def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
@@ -394,8 +409,9 @@ def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
     key = f"criteria.{judgement.band}{'.' * bool(judgement.band)}{criterion.margin}"
     prefix = ("at most ",) if criterion.is_upper_limit else ()
     surplus = unit_factor(unit) * judgement.surplus
-    by = ("+" if 0.0 <= surplus < np.inf else "", *significant(f"{key}.surplus", surplus, 3))
+    sign = "+" if 0.0 <= surplus < np.inf else ""
+    verdict = f" {satisfaction(judgement.satisfied)}"
     return (
         (*prefix, *significant(key, limit, unit=unit)),
-        (*by, f" {satisfaction(judgement.satisfied)}"),
+        (sign, *significant(f"{key}.surplus", surplus, 3), verdict),
     )

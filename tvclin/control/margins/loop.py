@@ -128,7 +128,8 @@ class Loop:
             return discrete_loop(named_system("loop", system), delay)  # type: ignore[return-value]
         if isinstance(system, control.StateSpace):
             return cls.from_matrices(system.A, system.B, system.C, system.D, delay)
-        return cls(system.num[0][0], system.den[0][0], delay)
+        ((numerator,),), ((denominator,),) = system.num, system.den  # one output, one input
+        return cls(numerator, denominator, delay)
 
     @classmethod
     def from_matrices(
@@ -211,9 +212,10 @@ class Loop:
     def _rightmost(self, k: int) -> ComplexArray:
         """Return the rightmost closed-loop poles [1/s] of the k-th loop of the flattened batch."""
         form = self.form.take(np.array([k]))  # a batch of this one loop
-        delay = float(form.delay[0])
+        delay = form.delay.item()
         if delay:
-            return rightmost_poles(*_matrices(form), delay, lambda s: form.value(s[np.newaxis])[0])
+            A, B, C = _matrices(form)
+            return rightmost_poles(A, B, C, delay, lambda s: form.value(s[np.newaxis])[0])
         poles = form.closed_poles()[0].astype(complex)
         return poles[np.argsort(-poles.real, kind="stable")]
 
@@ -263,7 +265,7 @@ class Loop:
         return np.full(np.shape(omega), np.nan)
 
     def take(self, index: Any) -> Loop:
-        """Return the loops at the positions `index` of the flattened batch."""
+        """Return the loops at positions of the flattened batch, in the shape of `index`."""
         form = self.form.take(np.atleast_1d(index))
         loop = type(self).__new__(type(self))
         loop._set(form, np.shape(index))
@@ -275,10 +277,10 @@ class Loop:
         `omega`: imaginary part of the variable of `form`: frequencies [rad/s] of a continuous loop,
         those of the w plane of a sampled one.
         """
-        above, below = self.form.parts(omega)
-        pole = (below == 0.0) & (above != 0.0)
+        numerator, denominator = self.form.parts(omega)
+        pole = (denominator == 0.0) & (numerator != 0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(np.where(pole, np.inf, above / below))
+            return np.asarray(np.where(pole, np.inf, numerator / denominator))
 
     def _set(self, form: AnyLoop, batch: tuple[int, ...]) -> None:
         """Set the flattened batch of loops, `form`, and its shape in the frozen record."""
@@ -300,22 +302,22 @@ def _flat(array: FloatArray, batch: tuple[int, ...], axes: int) -> FloatArray:
 
     `axes`: number of trailing axes that are not of the batch.
     """
-    inner = array.shape[array.ndim - axes :]
-    return np.broadcast_to(array, (*batch, *inner)).reshape((-1, *inner))
+    trailing = array.shape[array.ndim - axes :]
+    return np.broadcast_to(array, (*batch, *trailing)).reshape((-1, *trailing))
 
 
 def _matrices(form: AnyLoop) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return A ``(n, n)``, B ``(n,)`` and C ``(n,)`` of the first loop of a batch.
 
-    Of polynomials the companion form.
+    Of polynomials the companion form. `form`: the loops as polynomials or matrices.
     """
     if isinstance(form, StateLoop):
         k = form.case[0]  # a case is the index of a loop's matrices, which several may share
         return form.A[k], form.B[k], form.C[k]
-    below, above = form.denominator[0], form.numerator[0]
-    A = np.eye(below.size - 1, k=-1)
-    A[0] = -below[1:] / below[0]
-    return A, np.eye(len(A))[0], above[1:] / below[0]
+    numerator, denominator = form.numerator[0], form.denominator[0]
+    A = np.eye(denominator.size - 1, k=-1)
+    A[0] = -denominator[1:] / denominator[0]
+    return A, np.eye(len(A))[0], numerator[1:] / denominator[0]
 
 
 _MAX_NEWTON_STEPS = 30
@@ -368,7 +370,7 @@ class SampledLoop(Loop):
         highest = float(np.pi / np.max(self.period))
         frequencies = within("omega", omega, -highest, highest, "rad/s")
         half = 0.5 * self.period.reshape(-1, 1)
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore"):  # w = j nu with nu = (2/h) tan(omega h/2)
             values = self._values(np.tan(frequencies.reshape(1, -1) * half) / half)
         return values.reshape((*self.batch, *frequencies.shape))
 
@@ -391,9 +393,12 @@ class SampledLoop(Loop):
         half = 0.5 * self.period.reshape(-1)
 
         def frequency(nu: FloatArray) -> FloatArray:
-            """Return (2/h) arctan(nu h/2) [rad/s] of frequencies nu in w, ``(k, ...)``."""
-            rows = half.reshape(-1, *(1,) * (nu.ndim - 1))
-            return np.arctan(nu * rows) / rows
+            """Return frequencies (2/h) arctan(nu h/2) [rad/s] of nu, where w = j nu, ``(k, ...)``.
+
+            nu has a row for each of k loops, and h is their sample period.
+            """
+            column = half.reshape(-1, *(1,) * (nu.ndim - 1))
+            return np.arctan(nu * column) / column
 
         peaks = w_plane.peaks.copy()  # pairs of a peak and its frequency
         peaks[..., 1] = frequency(peaks[..., 1])
@@ -421,7 +426,7 @@ class SampledLoop(Loop):
         `delayed_form` is None, and a margin is the phase over the frequency.
         """
         margins = phases % (2.0 * np.pi) / omega
-        delayed_form = self.delayed_form
+        delayed_form = self.delayed_form  # loops by delays below a period, and their indices
         if not margins.shape[1] or delayed_form is None:
             return margins
         case, column = np.nonzero(stable[:, np.newaxis] & np.isfinite(margins))
@@ -430,14 +435,14 @@ class SampledLoop(Loop):
         converged = np.zeros(case.size, dtype=bool)
         for _ in range(_MAX_NEWTON_STEPS if case.size else 0):
             samples, rest = split_delay(delay + margin, h)  # whole samples, and a rest below h [s]
-            nu = np.tan(0.5 * w * h) / (0.5 * h)
-            form, s = delayed_form(rest, case), 1j * nu[:, np.newaxis]
-            L, slope = form.value(s)[:, 0], form.slope(s)[:, 0]
+            nu = np.tan(0.5 * w * h) / (0.5 * h)  # frequency of the w plane
+            form, w_plane = delayed_form(rest, case), 1j * nu[:, np.newaxis]
+            L, slope = form.value(w_plane)[:, 0], form.slope(w_plane)[:, 0]
             rate = 1j * slope / L * (1.0 + (0.5 * nu * h) ** 2)  # d ln L/d omega
             max_step = _MAX_STEP_OVER_FREQUENCY * w
             step = np.clip(-np.log(np.abs(L)) / rate.real, -max_step, max_step)
             w = np.minimum(w + step, np.pi / h)  # half the sample rate
-            phase = np.angle(-L) + rate.imag * step - samples * h * w
+            phase = np.angle(-L) + rate.imag * step - samples * h * w  # of L, beyond -1
             phase -= 2.0 * np.pi * np.round(phase / (2.0 * np.pi))
             margin = np.maximum(margin + phase / w, 0.0)
             converged = (np.abs(step) < _DELAY_TOLERANCE * w) & (np.abs(phase) < _DELAY_TOLERANCE)
@@ -457,12 +462,12 @@ class SampledLoop(Loop):
         return margins
 
     def _is_unstable(self, case: int, delays: FloatArray) -> BoolArray:
-        """Return whether a loop is unstable with further delays [s], ``(m,)``.
+        """Return whether a loop has a pole z outside the unit circle with further delays, ``(m,)``.
 
-        It is with a pole z outside the unit circle. `case`: index of the loop in the flattened
-        batch.
+        `case`: index of the loop in the flattened batch. `delays`: [s], ``(m,)``, each in addition
+        to the loop's own.
         """
-        assert self.delayed_closed_poles is not None
+        assert self.delayed_closed_poles is not None  # else no delay margin asks for it
         loop_delay = self.loop_delay.ravel()[case]
         z = self.delayed_closed_poles(loop_delay + delays, np.full(delays.size, case))
         return np.asarray(np.any(np.abs(z) > 1.0 + _DELAY_TOLERANCE, axis=-1))
@@ -476,7 +481,8 @@ class SampledLoop(Loop):
         """
         h = float(self.period.ravel()[case])
         last = min(maximum, _MAX_SEARCHED_PERIODS * h)
-        count = int(np.clip(np.ceil(_DELAYS_PER_PERIOD * last / h), *_TRIAL_DELAYS))
+        fewest, most = _TRIAL_DELAYS
+        count = int(np.clip(np.ceil(_DELAYS_PER_PERIOD * last / h), fewest, most))
         low, high = 0.0, last
         for _ in range(_ROUNDS):  # trials between low and high, the last one just below high
             fractions = np.append(np.arange(1, count) / count, 2.0 - _BEYOND_MARGIN)
@@ -486,7 +492,7 @@ class SampledLoop(Loop):
                 return maximum
             first = int(np.argmax(unstable)) if np.any(unstable) else delays.size
             bounds = np.concatenate([[low], delays, [high]])
-            low, high, count = float(bounds[first]), float(bounds[first + 1]), _TRIAL_DELAYS[0]
+            low, high, count = float(bounds[first]), float(bounds[first + 1]), fewest
         return high
 
     def s_to_w(self, s: AnyArray) -> AnyArray:
@@ -513,7 +519,10 @@ class SampledLoop(Loop):
         return np.where(omega > 0.5 * rate, folded, np.nan)
 
     def _z(self, w: AnyArray) -> AnyArray:
-        """Return z = (1 + w h/2)/(1 - w h/2) of `w` ``(k, m)`` [1/s], h being the sample period."""
+        """Return z = (1 + w h/2)/(1 - w h/2), ``(k, m)``, h being the sample period of a loop.
+
+        `w`: variable of the form [1/s], ``(k, m)``, a row for each of k loops.
+        """
         half = 0.5 * self.period.reshape(-1, 1)
         return (1.0 + w * half) / (1.0 - w * half)
 
@@ -526,8 +535,8 @@ def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
     """
     assert system.period is not None
     T = number("delay", delay, nonnegative, "s")
-    samples, rest = split_delay(np.asarray(T), system.period)
-    if rest:
+    samples, fraction = split_delay(np.asarray(T), system.period)
+    if fraction:
         raise InputError(
             f"delay must be a whole number of samples of {float(system.period):.6g} s; got"
             f" {float(T):.6g} s"
@@ -544,7 +553,7 @@ def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
     if np.any(np.abs(system.poles + 1.0) < _POLE_TOLERANCE):
         raise InputError("loop must not have a pole at z = -1, half the sample rate")
     form = w_plane_loop(matrices, np.reshape(system.period, 1))
-    return SampledLoop(form, (), system.period, np.asarray(T))
+    return SampledLoop(form, batch=(), period=system.period, loop_delay=np.asarray(T))
 
 
 def poles_in_s(loop: Loop) -> ComplexArray:
@@ -566,4 +575,4 @@ def w_plane_loop(matrices: tuple[FloatArray, ...], period: FloatArray) -> StateL
         np.broadcast_to(m, (*period.shape, *m.shape[-2:])).reshape(period.size, *m.shape[-2:])
         for m in (A, B, C, D)
     )
-    return StateLoop.balanced(A, B[..., 0], C[:, 0], D[:, 0, 0], np.zeros(len(A)))
+    return StateLoop.balanced(A, B[..., 0], C[:, 0], D[:, 0, 0], delay=np.zeros(len(A)))

@@ -55,7 +55,10 @@ DIGITS = {"dB": 2, "deg": 2, "ms": 1, "": 3}
 
 
 def margin(name: str, value: Any, unit: str) -> Line:
-    """Return a margin as text with the decimals of its unit; `name`: key of the number."""
+    """Return a margin as a cell of a table, with its unit and the decimals usual for it.
+
+    `name`: key of the number. `unit`: "dB", "deg", "ms" or "", in which `value` is.
+    """
     return number(name, value, DIGITS[unit], unit)
 
 
@@ -171,18 +174,25 @@ float or ndarray
     crossings: Crossings
 
     def rows(self) -> list[MarginRow]:
-        """Return a table row for each margin that criteria may limit."""
+        """Return a table row for each margin that criteria may limit, with its frequency."""
         return [
-            MarginRow(name, label, unit_factor(unit) * getattr(self, name), unit, getattr(self, at))
-            for name, (label, unit, at) in MARGINS.items()
+            MarginRow(
+                name=name,
+                label=label,
+                value=unit_factor(unit) * getattr(self, name),
+                unit=unit,
+                frequency=getattr(self, frequency),
+            )
+            for name, (label, unit, frequency) in MARGINS.items()
         ]
 
     def _repr_html_(self) -> str:
         """Return the margins and their frequencies as a card for a notebook."""
         rows: list[Row] = [("status", self.status, "")]
-        for name, label, value, unit, at in self.rows():
+        for name, label, value, unit, frequency in self.rows():
+            # of one loop with the decimals of a table, without the unit behind the number
             shown = value if np.ndim(value) else text(margin(name, value, unit)[:1])
-            rows += [(label, shown, unit), ("at", at, "rad/s")]
+            rows += [(label, shown, unit), ("at", frequency, "rad/s")]
         return card("Margins", rows)
 
     @property
@@ -273,10 +283,10 @@ def loop_margins(loop: Loop) -> Margins:
 
 
 def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
-    """Return the margins of k loops in the shape of their batch, ``batch`` of k entries.
+    """Return the margins of k loops in the shape of their batch, `batch` of k entries.
 
-    `analysis`: crossings and peaks of the flattened batch of loops; of its `peaks` those of S =
-    1/(1 + L), T = L/(1 + L) and (S - T)/2 are 0, 1 and 2, with their frequencies.
+    `analysis`: crossings and peaks of the flattened batch of loops; of its `peaks` ``(k, 3, 2)``
+    those of S = 1/(1 + L), T = L/(1 + L) and (S - T)/2 are 0, 1 and 2, with their frequencies.
     """
     unstable, stable = analysis.unstable_poles > 0, analysis.stable
     status = np.select([unstable, analysis.marginal], [UNSTABLE, MARGINAL], OK)
@@ -287,11 +297,14 @@ def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
     pairs = np.concatenate([classical_margins(analysis), peaks])
     pairs[..., ~stable] = np.nan
     numbers = (status, analysis.unstable_poles, *pairs.reshape(2 * len(pairs), stable.size))
-    gains = analysis.gain_frequencies, analysis.phases
-    lists = (*gains, analysis.phase_frequencies, analysis.factors)
-    crossings = Crossings(*(_trimmed(rows, batch) for rows in lists))
-    names = [field.name for field in fields(Margins)][:-1]
+    *names, _ = (field.name for field in fields(Margins))  # all but the crossings
     shaped = {name: in_batch_shape(v, batch) for name, v in zip(names, numbers, strict=True)}
+    crossings = Crossings(
+        gain_frequencies=_trimmed(analysis.gain_frequencies, batch),
+        phase_margins=_trimmed(analysis.phases, batch),
+        phase_frequencies=_trimmed(analysis.phase_frequencies, batch),
+        gain_factors=_trimmed(analysis.factors, batch),
+    )
     return Margins(**shaped, crossings=crossings)
 
 
@@ -302,6 +315,9 @@ def in_batch_shape(values: Any, batch: tuple[int, ...]) -> Any:
 
 
 def _trimmed(rows: FloatArray, batch: tuple[int, ...]) -> FloatArray:
-    """Return `rows` ``(k, n)`` without columns of NaN alone, in the shape ``batch + (m,)``."""
-    width = int(np.sum(~np.isnan(rows), axis=-1).max(initial=0))
-    return rows[:, :width].reshape((*batch, width))
+    """Return crossings of k loops in the shape of their batch, ``batch + (m,)``.
+
+    `rows`: ``(k, n)``, each with NaN behind its crossings; m is the largest number of them.
+    """
+    m = int(np.sum(~np.isnan(rows), axis=-1).max(initial=0))
+    return rows[:, :m].reshape((*batch, m))
