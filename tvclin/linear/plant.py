@@ -207,7 +207,7 @@ class Plant(WithCoefficients):
 
     @property
     def has_modes(self) -> bool:
-        """Whether lightly damped modes may have a limit cycle with the nozzle."""
+        """False: there are no lightly damped modes, whose limit cycle a flight would show."""
         return False
 
     @property

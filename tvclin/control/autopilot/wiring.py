@@ -165,7 +165,8 @@ def autopilot_blocks(
         check_controller(autopilot.controller, plant)
         if _ATTITUDE_COMMAND in autopilot.controller.inputs:
             command_sum = []  # the controller itself takes the command off
-        states, gains = controller_system(autopilot.controller), {CONTROLLER: 1.0}
+        states = controller_system(autopilot.controller)
+        gains: dict[str, Any] = {CONTROLLER: 1.0}
     else:
         integral = bool(np.any(np.asarray(autopilot.integral_gain)))
         states = attitude_integral(integral)

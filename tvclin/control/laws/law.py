@@ -243,7 +243,9 @@ class FilteredLaw(Law):
     @property
     def chains(self) -> Chains:
         """Filter chains of attitude, rate and demand."""
-        return Chains(self.attitude_filters, self.rate_filters, self.filters)
+        return Chains(
+            attitude=self.attitude_filters, attitude_rate=self.rate_filters, demand=self.filters
+        )
 
     @property
     def lateral_sensors(self) -> LateralSensors:

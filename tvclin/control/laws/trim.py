@@ -53,7 +53,7 @@ class TrimLaw(LinearLaw):
 
     def __post_init__(self) -> None:
         """Check that the plant has a real unstable pole, and the gain."""
-        measured_coordinates(self.plant)
+        measured_coordinates(self.plant)  # raises without an unstable pole
         checked(self, "gain")
 
     @classmethod

@@ -432,7 +432,7 @@ def _owned(terms: Terms, analysis: LoopAnalysis, k: int) -> LoopAnalysis:
     """
 
     def select(omega: FloatArray, values: FloatArray) -> FloatArray:
-        """Return `values` at frequencies `omega` that the mode owns, NaN at others."""
+        """Return `values` at frequencies `omega` [rad/s] that mode k owns, NaN at others."""
         return np.where(terms.owner(np.nan_to_num(omega)) == k, values, np.nan)
 
     phases = select(analysis.gain_frequencies, analysis.phases)

@@ -249,11 +249,11 @@ class Loop:
         return analyse_loops(self.form)
 
     def s_to_w(self, s: AnyArray) -> AnyArray:
-        """Return the variable w of `form` at s ``(k, m)`` [1/s]: s itself, unless sampled."""
+        """Return the variable w of L at values s [1/s], ``(k, m)``: s itself, unless sampled."""
         return s
 
     def w_to_s(self, w: AnyArray) -> AnyArray:
-        """Return s ``(k, m)`` [1/s] at the variable w of `form`: w itself, unless sampled."""
+        """Return s [1/s] at values w of the variable of L, ``(k, m)``: w itself, unless sampled."""
         return w
 
     def max_frequency(self) -> FloatArray:

@@ -79,7 +79,8 @@ class CovarianceHistory(GaussianOutputs):
         InputError
             For an unknown output.
         """
-        return self._mean_of(*self._row(output))
+        row, direct = self._row(output)
+        return self._mean_of(row, direct)
 
     def deviation(self, output: str = DEFLECTION) -> FloatArray:
         """Return the standard deviation of an output at the times ``(n,)``, in SI units.
@@ -89,7 +90,8 @@ class CovarianceHistory(GaussianOutputs):
         InputError
             As `mean`.
         """
-        return self._deviation_of(self._row(output)[0])
+        row, _ = self._row(output)
+        return self._deviation_of(row)
 
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
         """Return the largest ``|mean|`` + `sigmas` deviations of an output, and its time [s].
@@ -101,8 +103,8 @@ class CovarianceHistory(GaussianOutputs):
         """
         k = errors.number("sigmas", sigmas, errors.between(0.0, 10.0))
         sizes = np.abs(self.mean(output)) + k * self.deviation(output)
-        at = int(np.argmax(sizes))
-        return float(sizes[at]), float(self.times[at])
+        largest = int(np.argmax(sizes))
+        return float(sizes[largest]), float(self.times[largest])
 
     def travel(self, output: str = DEFLECTION) -> float:
         """Return the expected integral of ``|y'|``, of the deflection the nozzle's travel [rad].
@@ -118,35 +120,34 @@ class CovarianceHistory(GaussianOutputs):
         """Return the standard deviation of the travel of an output, of the deflection in rad.
 
         It is the root of the double integral over two times of the covariance of ``|y'|`` at them,
-        by the trapezoidal rule at up to 400 times, from one to the next of which `_moments` has the
-        transitions of the states.
+        by the trapezoidal rule at up to 400 times.
 
         Raises
         ------
         InputError
             As `travel`.
         """
-        rate, direct = self._rate(output)
-        chosen = self._moments.chosen
-        rows = np.broadcast_to(rate, (len(self.times), rate.shape[-1]))[chosen]
-        mean, spread = self._mean_of(rate, direct)[chosen], self._deviation_of(rate)[chosen]
+        row, direct = self._rate(output)  # of y'
+        # indices of these times, covariances of the states, and transitions from a time to the next
+        chosen, transitions = self._moments.chosen, self._moments.transitions
+        P = self._moments.covariances[chosen]
+        rows = np.broadcast_to(row, (len(self.times), row.shape[-1]))[chosen]
+        mean, deviation = self._mean_of(row, direct)[chosen], self._deviation_of(row)[chosen]
         covariances = np.zeros((len(chosen), len(chosen)))
         # Column j: covariance of the states at time k with y' at the earlier time j.
-        carried = np.zeros((rate.shape[-1], len(chosen)))
-        for k, row in enumerate(rows):
+        with_rate = np.zeros((row.shape[-1], len(chosen)))
+        for k, row_k in enumerate(rows):
             if k:
-                carried[:, :k] = self._moments.transitions[k - 1] @ carried[:, :k]
-            carried[:, k] = self._moments.covariances[chosen[k]] @ row
-            covariances[k, : k + 1] = row @ carried[:, : k + 1]
-        first, second = np.tril_indices(len(chosen))
-        sizes = np.maximum(spread[first] * spread[second], np.finfo(float).tiny)
-        correlations = covariances[first, second] / sizes
-        pairs = absolute_covariance(
-            (mean[first], mean[second]), (spread[first], spread[second]), correlations
-        )
-        steps = 0.5 * np.diff(self.times[chosen], prepend=self.times[chosen[0]])
-        weights = steps + np.append(steps[1:], 0.0)  # of the trapezoidal rule
-        pairs *= np.where(first == second, 1.0, 2.0) * weights[first] * weights[second]
+                with_rate[:, :k] = transitions[k - 1] @ with_rate[:, :k]
+            with_rate[:, k] = P[k] @ row_k
+            covariances[k, : k + 1] = row_k @ with_rate[:, : k + 1]
+        i, j = np.tril_indices(len(chosen))  # pairs of times
+        sizes = np.maximum(deviation[i] * deviation[j], np.finfo(float).tiny)
+        correlations = covariances[i, j] / sizes
+        pairs = absolute_covariance((mean[i], mean[j]), (deviation[i], deviation[j]), correlations)
+        half_steps = 0.5 * np.diff(self.times[chosen], prepend=self.times[chosen[0]])
+        weights = half_steps + np.append(half_steps[1:], 0.0)  # of the trapezoidal rule
+        pairs *= np.where(i == j, 1.0, 2.0) * weights[i] * weights[j]
         return float(np.sqrt(max(np.sum(pairs), 0.0)))
 
     def crossings(self, limit: float, output: str = DEFLECTION) -> float:
@@ -279,8 +280,10 @@ def turbulence_history(
     at_rest = not errors.flag("settled", settled)
     loop = driven_loop(autopilot, plant, (a, b, c / V), np.asarray(V), noise, loads, drift=at_rest)
     times = march_times(0.0, errors.number("duration", duration, _DURATIONS, "s"), wind, loop)
-    # The first of the stationary covariances is that just behind a sample.
-    start = None if at_rest else stationary(loop)[0][0]
+    start = None
+    if not at_rest:
+        covariances, _ = stationary(loop)
+        start = covariances[0]  # just behind a sample
     moments = march(loop, times, wind, start)
     return CovarianceHistory(times, loop.labels, loop.output_signals, moments)
 
@@ -342,14 +345,14 @@ def turbulence_along(
     gains of each sample, and the history shows the motion between samples too.
     """
     errors.instance("schedule", schedule, FlightSchedule, "see load_schedule")
-    parts = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
-    checked_parts(parts, turbulence, noise, loads)
-    if not isinstance(autopilot, GainSchedule) and parts.batch:
+    gains = autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
+    checked_parts(gains, turbulence, noise, loads)
+    if not isinstance(autopilot, GainSchedule) and gains.batch:
         raise errors.InputError(
-            f"autopilot must be one autopilot, or a GainSchedule; got a batch of {parts.batch}"
+            f"autopilot must be one autopilot, or a GainSchedule; got a batch of {gains.batch}"
         )
-    delay = _constant("delay", parts.delay)
-    rate = None if parts.sample_rate is None else _constant("sample_rate", parts.sample_rate)
+    delay = _constant("delay", gains.delay)
+    rate = None if gains.sample_rate is None else _constant("sample_rate", gains.sample_rate)
     flight = schedule if start is None and stop is None else schedule.between(start, stop)
     frozen: Structure | None = None
     if isinstance(structure, StructureSchedule):
@@ -358,35 +361,36 @@ def turbulence_along(
         errors.instance("structure", structure, Structure, "or a StructureSchedule")
         frozen = structure
     if turbulence.altitude is not None:
-        _ = flight.height  # refuses a schedule without altitude
-    given = LoadSlopes() if loads is None else loads
-    own_pressure = given.dynamic_pressure is None and flight.altitude is not None
+        _ = flight.height  # raises for a schedule without altitude
+    load_slopes = LoadSlopes() if loads is None else loads
+    pressure_of_flight = load_slopes.dynamic_pressure is None and flight.altitude is not None
 
-    def law_and_plant(inside: FloatArray) -> tuple[Autopilot, AnyPlant]:
-        """Return the autopilots and the plants at times within the flight, `inside` [s]."""
-        law = replace(autopilot_along(autopilot, flight, inside), delay=delay, sample_rate=rate)
+    def autopilots_and_plants(time: FloatArray) -> tuple[Autopilot, AnyPlant]:
+        """Return the autopilots and the plants at times [s] of the flight, not beyond it."""
+        autopilots = autopilot_along(autopilot, flight, time)
+        autopilots = replace(autopilots, delay=delay, sample_rate=rate)
         if frozen is None:
-            return law, plants_along(flight, inside, model, plane)
-        return law, FlexiblePlant.from_vehicle(flight.at(inside).rigid, frozen, model, plane)
+            return autopilots, plants_along(flight, time, model, plane)
+        vehicles = flight.at(time).rigid
+        return autopilots, FlexiblePlant.from_vehicle(vehicles, frozen, model, plane)
 
     def loop_at(times: FloatArray) -> DrivenLoop:
         """Return the loops in turbulence at flight times [s], constant beyond the flight."""
-        inside = np.clip(times, *flight.span)
-        vehicle = flight.at(inside)
-        law, plant = law_and_plant(inside)
-        height = None if flight.altitude is None else np.interp(inside, flight.times, flight.height)
-        V = np.broadcast_to(np.asarray(vehicle.velocity), times.shape)
-        a, b, c = turbulence.shaping_filter(V, height)
-        shape = a, b, c / V[:, np.newaxis, np.newaxis]
-        slopes = loads_at(given, schedule.times, inside)
-        if own_pressure:
-            pressure = flight_variable(flight, "dynamic_pressure", inside)
+        time = np.clip(times, *flight.span)
+        autopilots, plants = autopilots_and_plants(time)
+        height = None if flight.altitude is None else np.interp(time, flight.times, flight.height)
+        V = np.broadcast_to(np.asarray(flight.at(time).velocity), times.shape)
+        a, b, c = turbulence.shaping_filter(V, height)  # of the velocity; the angle is over V
+        shaping = a, b, c / V[:, np.newaxis, np.newaxis]
+        slopes = loads_at(load_slopes, schedule.times, time)
+        if pressure_of_flight:
+            pressure = flight_variable(flight, "dynamic_pressure", time)
             slopes = replace(slopes, dynamic_pressure=pressure)
-        return driven_loop(law, plant, shape, V, noise, slopes, drift=True)
+        return driven_loop(autopilots, plants, shaping, V, noise, slopes, drift=True)
 
     breakpoints = _breakpoints(flight, autopilot, turbulence)
     if rate is None:
-        require_pade(*law_and_plant(breakpoints))
+        require_pade(*autopilots_and_plants(breakpoints))
     loop = VaryingLoop(loop_at, breakpoints)
     times = march_times(*flight.span, wind, loop)
     moments = march(loop, times, wind)
@@ -394,14 +398,14 @@ def turbulence_along(
 
 
 def _constant(name: str, value: float | FloatArray) -> float:
-    """Return the `value` of the number `name` of an autopilot, the same along a flight.
+    """Return a number of an autopilot that must be constant; `InputError` if it varies.
 
-    `InputError` for a value that varies.
+    `name`: of the number, for the message. `value`: the number, or its values at breakpoints.
     """
-    values = np.unique(value)
-    if values.size > 1:
+    constant, *others = np.unique(value)
+    if others:
         raise errors.InputError(f"the {name} of the autopilot must be the same along the flight")
-    return float(values[0])
+    return float(constant)
 
 
 def _breakpoints(
@@ -409,8 +413,9 @@ def _breakpoints(
 ) -> FloatArray:
     """Return the times of a flight at which its data, gains or turbulence have a corner [s].
 
-    `autopilot`: constant, or a schedule with corners at its breakpoints. `turbulence`: constant, or
-    a table over altitude.
+    From the first to the last time of the flight. `autopilot`: constant, or a schedule with corners
+    at its breakpoints. `turbulence`: constant, or a table over altitude. Over altitude the layers
+    of the atmosphere have corners too, where the flight climbs throughout.
     """
     first, last = flight.span
     breaks = [flight.times]

@@ -64,33 +64,36 @@ class VaryingLoop:
         `_nodes` are the loops at the five nodes of each interval, between which each entry of
         their matrices is interpolated.
         """
-        position, weights = self._weights(times)
+        first, weights = self._weights(times)
         smooth = replace(self._nodes, jumps=())
-        return smooth.mapped(lambda values: _values_at(values, position, weights))
+        return smooth.mapped(lambda values: _values_at(values, first, weights))
 
     def jump_at(self, index: int, times: FloatArray) -> Jump:
         """Return the jump behind the interval `index` of a sample, at times [s] ``(n,)``.
 
         Its matrices have the leading axis n; the `length` [s] of the interval is constant.
         """
-        position, weights = self._weights(times)
-        jump = self.jumps[index]
-        return Jump(jump.length, *(_values_at(values, position, weights) for values in jump[1:]))
+        first, weights = self._weights(times)
+        length, *arrays = self.jumps[index]
+        return Jump(length, *(_values_at(values, first, weights) for values in arrays))
 
     def signals(self, times: FloatArray) -> dict[str, Signal]:
-        """Return the outputs at times [s], rows ``(n, states)`` or constant ones ``(states,)``.
+        """Return the outputs at times [s] by name, rows ``(n, states)`` or constant ones.
 
         The rate of an output y = row x has the derivative of the row over time too.
         """
-        position, weights = self._weights(times)
+        first, weights = self._weights(times)
 
         def varying(values: FloatArray) -> FloatArray:
-            """Return `values` at nodes interpolated to the times, ``(n, ...)``, or once."""
-            first = values[0]
-            return first if np.all(values == first) else _values_at(values, position, weights)
+            """Return values at the nodes interpolated to the times, ``(n, ...)``.
+
+            Those that are equal at all nodes are returned once, without the axis n.
+            """
+            constant = np.all(values == values[0])
+            return values[0] if constant else _values_at(values, first, weights)
 
         def signal(output: str) -> Signal:
-            """Return row, direct term and rate of an `output` at the times."""
+            """Return row, direct term and rate of the output called `output` at the times."""
             row, direct, rate = self._nodes.signal(output)
             if rate is not None:
                 rate_row, rate_direct = rate
@@ -100,24 +103,25 @@ class VaryingLoop:
         return {output: signal(output) for output in self.labels}
 
     def _weights(self, times: FloatArray) -> tuple[IndexArray, FloatArray]:
-        """Return the first node of the interval of each of n times [s], and weights of its 5 nodes.
+        """Return the first of the 5 nodes that interpolate at each of n times [s], and weights.
 
-        Shapes ``(n,)`` and ``(n, 5)``. `_starts` and `_lengths` of the intervals are in s; the
-        index counts the nodes of all intervals, and times beyond them are moved to the nearest.
+        Shapes ``(n,)`` and ``(n, 5)``. The nodes are counted over all intervals, 5 in each; a time
+        beyond the intervals is moved to the nearest.
         """
-        index = np.searchsorted(self._starts, times, side="right") - 1
-        index = np.clip(index, 0, len(self._starts) - 1)
-        positions = np.clip((times - self._starts[index]) / self._lengths[index], 0.0, 1.0)
-        return index * len(_POINTS), interpolation_factors(_POINTS, positions)
+        starts, lengths = self._starts, self._lengths  # of the intervals [s]
+        index = np.searchsorted(starts, times, side="right") - 1
+        index = np.clip(index, 0, len(starts) - 1)
+        fractions = np.clip((times - starts[index]) / lengths[index], 0.0, 1.0)
+        return index * len(_POINTS), interpolation_factors(_POINTS, fractions)
 
     def _slopes(self, values: FloatArray) -> FloatArray:
         """Return the derivatives [1/s] of a function of time at the nodes, ``(nodes, ...)``.
 
         `values`: its values at the nodes, ``(nodes, ...)``.
         """
-        shape = (len(self._starts), len(_POINTS), *values.shape[1:])
+        shape = (len(self._starts), len(_POINTS), *values.shape[1:])  # interval, node of it
         slopes = np.tensordot(values.reshape(shape), _DERIVATIVE, axes=(1, 1))
-        lengths = self._lengths.reshape(-1, *[1] * values.ndim)
+        lengths = self._lengths.reshape(-1, *[1] * values.ndim)  # of the intervals [s]
         return np.asarray(np.moveaxis(slopes, -1, 1) / lengths).reshape(values.shape)
 
 
@@ -167,42 +171,46 @@ def _interpolated(
     lengths = np.repeat(np.diff(breaks) / counts, counts)
     starts = breaks[0] + np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
     points = np.append(_POINTS, _CHECKED_POINT)
-    parts: list[tuple[FloatArray, FloatArray, DrivenLoop]] = []
+    taken_starts, taken_lengths, taken_loops = [], [], []  # of intervals that fit
     for halving in range(_MAX_HALVINGS + 1):
         times = starts[:, np.newaxis] + lengths[:, np.newaxis] * points
         loops = loop_at(times.ravel())
         fits = _fits(loops, times.shape) | (halving == _MAX_HALVINGS)
         # Intervals that fit are taken with their nodes, without the checked point.
         nodes = np.arange(times.size).reshape(times.shape)[fits, :-1].ravel()
-        fitting = loops.mapped(lambda a, index=nodes: a[index])  # type: ignore[misc]
-        parts.append((starts[fits], lengths[fits], fitting))
+        taken_starts.append(starts[fits])
+        taken_lengths.append(lengths[fits])
+        taken_loops.append(loops.mapped(lambda a, index=nodes: a[index]))  # type: ignore[misc]
         if np.all(fits):
             break
         half = 0.5 * lengths[~fits]
         starts = np.concatenate([starts[~fits], starts[~fits] + half])
         lengths = np.concatenate([half, half])
-    first, size = (np.concatenate(column) for column in list(zip(*parts, strict=True))[:2])
-    order = np.argsort(first)
+    starts, lengths = np.concatenate(taken_starts), np.concatenate(taken_lengths)
+    order = np.argsort(starts)
     nodes = (order[:, np.newaxis] * len(_POINTS) + np.arange(len(_POINTS))).ravel()
-    return first[order], size[order], _joined([part[2] for part in parts], nodes)
+    return starts[order], lengths[order], _joined(taken_loops, nodes)
 
 
 def _joined(loops: list[DrivenLoop], order: IndexArray) -> DrivenLoop:
-    """Return the batches of `loops`, one behind another and then in this `order`, as one batch."""
-    columns = zip(*(loop.arrays for loop in loops), strict=True)
-    joined = (np.concatenate(arrays)[order] for arrays in columns)
+    """Return several batches of loops as one batch, in a new order.
+
+    `order`: indices of the loops, counted over all batches one behind another.
+    """
+    arrays_of_all = zip(*(loop.arrays for loop in loops), strict=True)
+    joined = (np.concatenate(arrays)[order] for arrays in arrays_of_all)
     return loops[0].mapped(lambda _: next(joined))  # takes the arrays in the same order
 
 
 def _fits(loops: DrivenLoop, shape: tuple[int, ...]) -> BoolArray:
-    """Return for each interval whether the polynomials have the values at the checked point.
+    """Return for each interval whether the polynomials through its nodes fit a further point.
 
-    `loops`: batch of loops at the nodes and the checked point of each interval, the last. `shape`:
-    numbers of intervals and of points in each, 6. An error counts as none up to 1e-9 of the largest
-    value of its entry, plus 1e-13, rounding, of that of its matrix.
+    `loops`: batch of loops at the five nodes of each interval, and behind them at the further,
+    checked point. `shape`: numbers of intervals and of points in each, 6. An error counts as none
+    up to 1e-9 of the largest value of its entry, plus 1e-13, rounding, of that of its matrix.
     """
     fits = np.ones(shape[0], bool)
-    weights = interpolation_factors(_POINTS, np.array([_CHECKED_POINT]))[0]
+    (weights,) = interpolation_factors(_POINTS, np.array([_CHECKED_POINT]))
     for array in loops.arrays:
         values = array.reshape(*shape, -1)
         errors = np.abs(np.tensordot(values[:, :-1], weights, axes=(1, 0)) - values[:, -1])
@@ -237,30 +245,31 @@ def march_times(
         instance("wind", wind, History, "such as TriangularWind")
         single("wind", wind.batch)
     constant = isinstance(loop, DrivenLoop)
-    sample = [_sample_steps(jump) for jump in loop.jumps]
     longest = _STEP_OF_ONE_VEHICLE_S if constant else _STEP_OF_A_FLIGHT_S
-    steps_of = np.concatenate(sample) if sample else np.array([longest])
-    intervals = (stop - start) / steps_of.sum() - 1e-9  # samples, or steps; rounding adds none
-    if intervals * steps_of.size > _MAX_STEPS:
+    # lengths [s] of the steps of a sample or, without samples, of one step
+    steps_by_interval = [_sample_steps(jump) for jump in loop.jumps] or [np.array([longest])]
+    lengths = np.concatenate(steps_by_interval)
+    repetitions = (stop - start) / lengths.sum() - 1e-9  # rounding adds none
+    if repetitions * lengths.size > _MAX_STEPS:
         raise InputError(
             f"a history has up to {_MAX_STEPS} steps; this one would have"
-            f" {intervals * steps_of.size:.3g} (a shorter duration)"
+            f" {repetitions * lengths.size:.3g} (a shorter duration)"
         )
-    count = int(np.ceil(intervals))
-    if sample:
-        grid = start + np.concatenate([[0.0], np.cumsum(np.tile(steps_of, count))])
+    count = int(np.ceil(repetitions))
+    if loop.jumps:
+        grid = start + np.concatenate([[0.0], np.cumsum(np.tile(lengths, count))])
         return grid if constant else grid[grid <= stop + _CLOSE_TIMES_S]
     breaks = np.zeros(0) if wind is None else np.real(wind.pieces.knots)
     even = np.linspace(start, stop, count + 1)
     grid = np.unique(np.concatenate([even, breaks[(breaks > start) & (breaks < stop)]]))
-    close = np.diff(grid) < 1e-9 * max(stop, 1.0)
+    close = np.diff(grid) < 1e-9 * max(stop, 1.0)  # to the time before: the same one
     return np.asarray(grid[np.concatenate([[True], ~close])])
 
 
 def _sample_steps(jump: Jump) -> FloatArray:
-    """Return the lengths [s] of the even steps of the interval ahead of a `jump`, ``(steps,)``.
+    """Return the lengths [s] of the steps in the interval ahead of a jump, ``(steps,)``.
 
-    They are 0.01 s at most.
+    They are equal, and 0.01 s at most.
     """
     count = max(int(np.ceil(jump.length / _STEP_BETWEEN_SAMPLES_S - 1e-9)), 1)
     return np.full(count, jump.length / count)
@@ -299,36 +308,36 @@ def march(
     n = first_loop.A.shape[-1]
     # At first the vehicle is at rest, behind a sample, and the filter of turbulence is stationary.
     P, mean = np.zeros((n, n)), np.zeros(n)  # covariance and mean of the states
-    filtered = first_loop.filter_states
-    P[filtered, filtered] = stationary_covariance(
-        *(matrix[filtered, filtered] for matrix in (first_loop.A, first_loop.noise))
-    )
+    z = first_loop.filter_states
+    P[z, z] = stationary_covariance(first_loop.A[z, z], first_loop.noise[z, z])
     if loop.jumps:
-        mean, P = _jumped(_jumps(loop, len(loop.jumps) - 1, times[:1])[0], mean, P, angles[0])
+        (sample,) = _jumps(loop, len(loop.jumps) - 1, times[:1])  # the last jump of a sample
+        mean, P = _jumped(sample, mean, P, angles[0])
     P = P if start is None else start
     means, covariances = np.zeros((times.size, n)), np.zeros((times.size, n, n))
     covariances[0], means[0] = P, mean
-    spread = np.linspace(times[0], times[-1], min(_MAX_CHOSEN, times.size))
-    chosen = np.unique(np.clip(np.searchsorted(times, spread - _CLOSE_TIMES_S), 0, times.size - 1))
+    even = np.linspace(times[0], times[-1], min(_MAX_CHOSEN, times.size))
+    chosen = np.unique(np.clip(np.searchsorted(times, even - _CLOSE_TIMES_S), 0, times.size - 1))
     is_chosen = np.isin(np.arange(times.size), chosen)
-    transitions, passed = [], np.eye(n)  # from a chosen time to the next, and since the last one
+    transitions, product = [], np.eye(n)  # from a chosen time to the next, and since the last one
     for first in range(0, times.size - 1, _STEPS_AT_ONCE):
-        part = times[first : first + _STEPS_AT_ONCE + 1]
-        F, Q, forced = _steps(loop, part, wind)  # a step: x -> F x + forced, and noise Q
-        jumps = _jumps_before(loop, part, first)
-        for k, jump in enumerate(jumps, start=first):
-            step = F[k - first]
-            transition = step
+        block = times[first : first + _STEPS_AT_ONCE + 1]
+        # a step of the block: x -> F x + forced, and noise Q
+        steps_of_block = zip(*_steps(loop, block, wind), strict=True)
+        jumps = _jumps_before(loop, block, first)
+        for k, ((F, Q, forced), jump) in enumerate(
+            zip(steps_of_block, jumps, strict=True), start=first
+        ):
+            transition = F
             if jump is not None:
                 mean, P = _jumped(jump, mean, P, angles[k])
-                transition = step @ jump.matrix
-            mean = step @ mean + forced[k - first]
-            P = step @ P @ step.T + Q[k - first]
+                transition = F @ jump.matrix
+            mean, P = F @ mean + forced, F @ P @ F.T + Q
             means[k + 1], covariances[k + 1] = mean, P
-            passed = transition @ passed
+            product = transition @ product
             if is_chosen[k + 1]:
-                transitions.append(passed)
-                passed = np.eye(n)
+                transitions.append(product)
+                product = np.eye(n)
     if not np.all(np.isfinite(covariances)) or not np.all(np.isfinite(means)):
         raise InputError(
             f"the motion grows beyond all numbers within {times[-1] - times[0]:.6g} s; the loop is"
@@ -345,36 +354,40 @@ def _jumped(
     `jump`: x -> matrix x + wind alpha_w, plus noise with a covariance. `mean`, `P`: mean and
     covariance before it. `wind`: wind angle alpha_w [rad].
     """
-    moved = jump.matrix @ mean + jump.wind * wind
-    return moved, jump.matrix @ P @ jump.matrix.T + jump.noise
+    J = jump.matrix
+    return J @ mean + jump.wind * wind, J @ P @ J.T + jump.noise
 
 
 def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> list[Jump]:
-    """Return the jump of the states of a sampled loop at each of n times [s], ``n`` of them.
+    """Return the jump of the states of a sampled loop at each of n times [s], as n jumps.
 
     `loop`: constant or varying. `index`: index, within a sample, of the interval ahead of the jump.
     """
     if isinstance(loop, DrivenLoop):
         return [loop.jumps[index]] * len(times)
-    length, *arrays = loop.jump_at(index, times)
-    return [Jump(length, *parts) for parts in zip(*arrays, strict=True)]
+    length, *arrays = loop.jump_at(index, times)  # matrix, wind and noise over all times
+    return [Jump(length, *at_time) for at_time in zip(*arrays, strict=True)]
 
 
 def _jumps_before(
     loop: DrivenLoop | VaryingLoop, times: FloatArray, first: int
 ) -> list[Jump | None]:
-    """Return the jump of a sampled loop at the begin of each step, or None.
+    """Return the jump of a sampled loop at the begin of each of n steps; None where it has none.
 
     A sample has one or two intervals, each of several steps and with a jump at its end. `loop`:
     constant or varying; without samples it has no jumps. `times`: ends of the steps [s],
-    ``(n + 1,)``. `first`: number of the first of the steps; the sample before step 0 is taken
-    already.
+    ``(n + 1,)``. `first`: number of the first of the steps, counted from the begin of the history,
+    where the jump is taken already.
     """
     jumps: list[Jump | None] = [None] * (len(times) - 1)
+    # number of steps from a sample to the end of each of its intervals
     ends = np.cumsum([_sample_steps(jump).size for jump in loop.jumps])
-    numbers = first + np.arange(len(times) - 1)  # a sample has ends[-1] of these steps
+    numbers = first + np.arange(len(times) - 1)
     for index, end in enumerate(ends):
-        behind = np.flatnonzero((numbers > 0) & (numbers % ends[-1] == end % ends[-1]))
+        steps_per_sample = ends[-1]
+        behind = np.flatnonzero(
+            (numbers > 0) & (numbers % steps_per_sample == end % steps_per_sample)
+        )
         for k, jump in zip(behind, _jumps(loop, index, times[behind]), strict=True):
             jumps[k] = jump
     return jumps
@@ -396,15 +409,16 @@ def _steps(
         rounded, which = np.unique(np.round(lengths, 12), return_inverse=True)
         F, Q = steps(loop.A, loop.noise, rounded)
         return F[which], Q[which], np.zeros((count, len(loop.A)))
-    nodes = [times[:-1] + fraction * lengths for fraction in GAUSS_NODES]
+    nodes = [times[:-1] + fraction * lengths for fraction in GAUSS_NODES]  # [s], of all steps
     loops = [loop if isinstance(loop, DrivenLoop) else loop.at(node) for node in nodes]
     n = loops[0].A.shape[-1]
     size = n + (wind is not None)
-    A, noise = np.zeros((2, 2, count, size, size))
+    A, noise = np.zeros((2, 2, count, size, size))  # at the first and the second Gauss point
     for k, (node, at_node) in enumerate(zip(nodes, loops, strict=True)):
         A[k, :, :n, :n], noise[k, :, :n, :n] = at_node.A, at_node.noise
         if wind is not None:
             A[k, :, :n, n] = at_node.wind * np.asarray(wind(node))[:, np.newaxis]
-    F, Q = steps(*constant_over_steps((A[0], A[1]), (noise[0], noise[1]), lengths), lengths)
+    constant_A, constant_noise = constant_over_steps(tuple(A), tuple(noise), lengths)
+    F, Q = steps(constant_A, constant_noise, lengths)
     forced = F[:, :n, n] if wind is not None else np.zeros((count, n))
     return F[:, :n, :n], Q[:, :n, :n], forced

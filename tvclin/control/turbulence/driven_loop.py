@@ -177,9 +177,10 @@ class LoadSlopes(Record):
 
 
 def loads_at(loads: LoadSlopes, times: FloatArray, at: FloatArray) -> LoadSlopes:
-    """Return the slopes of loads interpolated at flight times `at` [s].
+    """Return the slopes of loads interpolated at flight times `at` [s], ``(m,)``.
 
-    `loads`: slopes at the flight times `times` [s] ``(n,)``, or constant.
+    `loads`: slopes at the flight times `times` [s] ``(n,)``, or constant; `InputError` for another
+    shape.
     """
     if loads.batch not in {(), times.shape}:
         raise errors.InputError(
@@ -256,13 +257,16 @@ class DrivenLoop:
 
     @property
     def filter_states(self) -> slice:
-        """Indices of the states of the filter of turbulence."""
+        """Indices of the states of the filter of turbulence, behind those of the loop."""
         return slice(self.order, self.order + self.filter_order)
 
     def mapped(self, function: Callable[[FloatArray], FloatArray]) -> DrivenLoop:
-        """Return the loop with `function` of each of its arrays, to change the batch of all."""
-        A, noise, wind, rows, direct = map(function, self.arrays[:5])
-        jumps = tuple(Jump(jump.length, *map(function, jump[1:])) for jump in self.jumps)
+        """Return the loop with `function` of each of its arrays, to change the batch of all.
+
+        The arrays are taken in the order of the property `arrays`.
+        """
+        A, noise, wind, rows, direct = map(function, self.arrays[:5])  # the others: of jumps
+        jumps = tuple(Jump(length, *map(function, arrays)) for length, *arrays in self.jumps)
         return replace(self, A=A, noise=noise, wind=wind, rows=rows, direct=direct, jumps=jumps)
 
     def with_rows(self, rows: Mapping[str, tuple[FloatArray, FloatArray]]) -> DrivenLoop:
@@ -270,13 +274,13 @@ class DrivenLoop:
 
         `rows`: row ``(..., n)`` and direct term ``(...)`` of each by its name.
         """
-        shape = self.rows.shape[:-2]
-        more = [np.broadcast_to(row, (*shape, self.A.shape[-1])) for row, _ in rows.values()]
-        direct = [np.broadcast_to(direct_term, shape) for _, direct_term in rows.values()]
+        batch = self.rows.shape[:-2]
+        C = [np.broadcast_to(row, (*batch, self.A.shape[-1])) for row, _ in rows.values()]
+        D = [np.broadcast_to(direct, batch) for _, direct in rows.values()]
         return replace(
             self,
-            rows=np.concatenate([self.rows, *(row[..., np.newaxis, :] for row in more)], axis=-2),
-            direct=np.concatenate([self.direct, *(d[..., np.newaxis] for d in direct)], axis=-1),
+            rows=np.concatenate([self.rows, np.stack(C, axis=-2)], axis=-2),
+            direct=np.concatenate([self.direct, np.stack(D, axis=-1)], axis=-1),
             labels=(*self.labels, *rows),
         )
 
@@ -303,7 +307,10 @@ class DrivenLoop:
         )
 
     def signal(self, output: str) -> Signal:
-        """Return an `output` with its rate."""
+        """Return row and direct term of the output called `output`, and of its rate if it has one.
+
+        An output that turbulence, noise, wind or a sample moves at once has no rate.
+        """
         row, direct = self.row(output)
         return Signal(row, direct, self.derivative(row) if self.is_smooth(row, direct) else None)
 
@@ -326,8 +333,9 @@ def _times(row: FloatArray, matrix: FloatArray) -> FloatArray:
 
 
 def _is_constant(row: FloatArray) -> bool:
-    """Return whether a row ``(..., n)`` is the same for all of a batch, as along a flight."""
-    return bool(np.all(row == row.reshape(-1, row.shape[-1])[0]))
+    """Return whether a row ``(..., n)`` is the same for all loops of a batch."""
+    first = row.reshape(-1, row.shape[-1])[0]
+    return bool(np.all(row == first))
 
 
 def driven_loop(
@@ -366,20 +374,21 @@ def driven_loop(
         more[DRIFT_RATE] = V[..., np.newaxis] * row, V * direct
     alpha_row, alpha_direct = loop.row(ANGLE_OF_ATTACK)
     deflection_row, deflection_direct = loop.row(DEFLECTION)
-    for name, (by_alpha, by_deflection) in (loads.slopes if loads else {}).items():
-        of_alpha, of_deflection = (
-            np.asarray(slope)[..., np.newaxis] for slope in (by_alpha, by_deflection)
+    for name, slopes in (loads.slopes if loads else {}).items():
+        by_alpha, by_deflection = map(np.asarray, slopes)
+        row = (
+            by_alpha[..., np.newaxis] * alpha_row + by_deflection[..., np.newaxis] * deflection_row
         )
-        row = of_alpha * alpha_row + of_deflection * deflection_row
         more[name] = row, by_alpha * alpha_direct + by_deflection * deflection_direct
     if loop.is_smooth(deflection_row, deflection_direct) and _is_constant(deflection_row):
         rate_row, rate_direct = more[DEFLECTION_RATE] = loop.derivative(deflection_row)
-        random = np.any(_times(rate_row, loop.noise)) or np.any(rate_direct)
-        if not random and _is_constant(rate_row):
+        jumps_with_noise = np.any(_times(rate_row, loop.noise)) or np.any(rate_direct)
+        if not jumps_with_noise and _is_constant(rate_row):
             more[ACCELERATION] = loop.derivative(rate_row)
     loop = loop.with_rows(more) if more else loop
-    # Further states: angle of attack and loads behind a low-pass, and the drift.
-    states: dict[str, tuple[float, FloatArray, FloatArray]] = {}
+    # Further states z' = pole z + row x + direct alpha_w: angle of attack and loads behind a
+    # low-pass, and the drift.
+    states: dict[str, tuple[float, FloatArray, FloatArray]] = {}  # pole, row, direct
     if loads is not None and (w := loads.bandwidth) is not None:
         for name in (ANGLE_OF_ATTACK, *loads.slopes):
             row, direct = loop.row(name)
@@ -404,15 +413,14 @@ def _continuous(
     # The last output is the returned command, which only the check above reads.
     driven = _behind_filter(loop.select(loop.inputs, loop.outputs[:-1]), shape)
     if noise is not None:
-        sensed = loop.select(SENSOR_NOISE, (DEFLECTION,))
-        if np.any(sensed.D * np.sqrt(noise.intensities)):
+        from_noise = loop.select(SENSOR_NOISE, (DEFLECTION,))
+        if np.any(from_noise.D * np.sqrt(noise.intensities)):
             raise errors.InputError(
                 "the deflection follows the noise of the sensors at once and has no variance; give"
                 " the autopilot an actuator, or a sample rate"
             )
-        states = slice(driven.order)
-        by_noise = (sensed.B * noise.intensities) @ np.swapaxes(sensed.B, -1, -2)
-        driven.noise[..., states, states] += by_noise
+        B, states = from_noise.B, slice(driven.order)  # of the loop, ahead of the filter's
+        driven.noise[..., states, states] += (B * noise.intensities) @ np.swapaxes(B, -1, -2)
     return driven
 
 
@@ -423,7 +431,7 @@ def _behind_filter(
 
     The states are the n of `loop` and the m of the filter z' = a z + b times white noise, whose
     output c z is the wind angle [rad]. `shape`: matrices a ``(..., m, m)``, b ``(..., m, 1)`` and c
-    ``(..., 1, m)``. `batch`: shape with which the arrays broadcast.
+    ``(..., 1, m)``. `batch`: batch of what is added later, with which the arrays broadcast.
     """
     system = loop.select(("wind",), loop.outputs)
     a, b, c = shape
@@ -437,20 +445,20 @@ def _behind_filter(
     rows = np.zeros((*batch, len(system.outputs), n + m))
     rows[..., :n], rows[..., n:] = system.C, system.D @ c
     direct = np.broadcast_to(system.D[..., 0], (*batch, len(system.outputs)))
-    return DrivenLoop(A, noise, wind, rows, direct, loop.outputs, n, m)
+    return DrivenLoop(A, noise, wind, rows, direct, loop.outputs, order=n, filter_order=m)
 
 
 def _widened(loop: DrivenLoop, count: int) -> DrivenLoop:
-    """Return a loop with `count` more states behind the others, which stay constant."""
+    """Return a loop with `count` more states behind the others; the new ones are constant."""
 
     def wider(array: FloatArray, axes: int) -> FloatArray:
-        """Return an array with `count` zeros more at the end of each of its last `axes`."""
+        """Return an array with `count` zeros more at the end of each of its last `axes` axes."""
         return np.pad(array, [(0, 0)] * (array.ndim - axes) + [(0, count)] * axes)
 
     n = loop.A.shape[-1]
-    unmoved = np.diag(np.append(np.zeros(n), np.ones(count)))
+    new_states = np.diag(np.append(np.zeros(n), np.ones(count)))  # a jump leaves them as they are
     jumps = tuple(
-        Jump(length, wider(matrix, 2) + unmoved, wider(wind, 1), wider(noise, 2))
+        Jump(length, wider(matrix, 2) + new_states, wider(wind, 1), wider(noise, 2))
         for length, matrix, wind, noise in loop.jumps
     )
     A, noise = wider(loop.A, 2), wider(loop.noise, 2)
@@ -471,13 +479,14 @@ def _sampled(
     `autopilot`, `plant`: one each, or a batch with one sample rate and delay. `shape`: A, b and c
     of the filter, from white noise to the wind angle [rad]. `noise`: of the sensors.
     """
-    period = 1.0 / float(autopilot.sample_rate or 1.0)
+    period = 1.0 / float(autopilot.sample_rate or 1.0)  # [s]; there is a sample rate
     complete, rest = split_delay(float(autopilot.delay), period)
     vehicle = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
     sensed = tuple(dict.fromkeys((*plant.sensed, *measured_outputs(autopilot, plant))))
     law = connect(autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (RETURNED,))
     driven = _behind_filter(vehicle, shape, law.batch)
-    # Further states: the command that acts, those on their way to it, and the states of the law.
+    # Further states: the command that acts, those on their way, of which the first is the newest
+    # and the last the next to act, and the states of the law.
     acting = driven.A.shape[-1]
     first, last = acting + 1, acting + 1 + int(complete)
     laws = slice(last + 1, last + 1 + len(law.states))
@@ -493,7 +502,7 @@ def _sampled(
     sample = np.broadcast_to(unit, loop.A.shape).copy()
     sample[..., laws, :] = law.B @ sensors
     sample[..., laws, laws] += law.A
-    sample[..., first + 1 : last + 1, :] = unit[first:last]
+    sample[..., first + 1 : last + 1, :] = unit[first:last]  # each moves on by one
     sample[..., first, :] = _times(law.D[..., 0, :], sensors)
     sample[..., first, laws] += law.C[..., 0, :]
     by_noise, by_wind = np.zeros((*loop.A.shape[:-1], 2)), np.zeros(loop.A.shape[:-1])
@@ -505,12 +514,13 @@ def _sampled(
     arrival[acting] = unit[last]
     if not rest:
         sample, by_noise, by_wind = arrival @ sample, arrival @ by_noise, by_wind @ arrival.T
-    variances = (noise.intensities if noise else np.zeros(2)) / period
+    variances = (noise.intensities if noise else np.zeros(2)) / period  # of a sample
     covariance = (by_noise * variances) @ np.swapaxes(by_noise, -1, -2)
-    jumps = [Jump(period - float(rest), sample, by_wind, covariance)]
+    jumps = [Jump(period - float(rest), sample, wind=by_wind, noise=covariance)]
     if rest:
-        nothing = np.zeros_like(by_wind), np.zeros_like(sample)
-        jumps.insert(0, Jump(float(rest), np.broadcast_to(arrival, sample.shape), *nothing))
+        arrivals = np.broadcast_to(arrival, sample.shape)
+        no_wind, no_noise = np.zeros_like(by_wind), np.zeros_like(sample)
+        jumps.insert(0, Jump(float(rest), arrivals, wind=no_wind, noise=no_noise))
     return replace(loop, jumps=tuple(jumps))
 
 
@@ -525,10 +535,9 @@ def _with_states(
     n, wide = loop.A.shape[-1], _widened(loop, len(states))
     for k, (pole, row, direct) in enumerate(states.values(), start=n):
         wide.A[..., k, :n], wide.A[..., k, k], wide.wind[..., k] = row, pole, direct
-    rows = np.eye(n + len(states))[n:]
-    return wide.with_rows(
-        {name: (row, np.asarray(0.0)) for name, row in zip(states, rows, strict=True)}
-    )
+    rows = np.eye(n + len(states))[n:]  # each output is its state, without a direct term
+    direct = np.asarray(0.0)
+    return wide.with_rows({name: (row, direct) for name, row in zip(states, rows, strict=True)})
 
 
 def checked_parts(

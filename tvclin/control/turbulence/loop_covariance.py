@@ -65,40 +65,49 @@ class GaussianOutputs(Shown):
         x: states of the loop; alpha_w: known wind [rad]. Shapes ``(states,)`` and ``()``, or with
         leading n times. `InputError` for an unknown output.
         """
-        return self._signals[one_of("output", output, self.outputs)][:2]
+        row, direct, _ = self._signals[one_of("output", output, self.outputs)]
+        return row, direct
 
     def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct term of the rate y' of an `output`, as `_row` of the output.
+        """Return row and direct term of the rate of an `output`, y' = row x + direct alpha_w.
 
-        `InputError` for an unknown output, and for one that jumps.
+        x: states of the loop; alpha_w: known wind [rad]. Shapes ``(states,)`` and ``()``, or with
+        leading n times. `InputError` for an unknown output, and for one that jumps.
         """
         return self._signals[one_of("output", output, self.outputs)].smooth_rate(output)
 
     def _mean_of(self, row: FloatArray, direct: FloatArray) -> FloatArray:
         """Return the mean of row x + direct alpha_w at the n times, ``(n,)``.
 
-        x: states, whose means `_moments` has, with the known wind alpha_w [rad]. `row`: of an
-        output, ``(states,)`` or ``(n, states)``. `direct`: its direct term.
+        x: states of the loop; alpha_w: known wind [rad]. `row`: of an output, ``(states,)`` or
+        ``(n, states)``. `direct`: its direct term, ``()`` or ``(n,)``.
         """
-        return np.asarray(np.sum(row * self._moments.means, axis=-1) + direct * self._moments.wind)
+        means, wind = self._moments.means, self._moments.wind
+        return np.asarray(np.sum(row * means, axis=-1) + direct * wind)
 
     def _deviation_of(self, row: FloatArray) -> FloatArray:
-        """Return the standard deviation of `row` times states at the n times, ``(n,)``."""
+        """Return the standard deviation of row x at the n times, ``(n,)``.
+
+        x: states of the loop. `row`: of an output, ``(states,)`` or ``(n, states)``.
+        """
         return np.asarray(np.sqrt(np.maximum(self._covariance_of(row, row), 0.0)))
 
     def _covariance_of(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return the covariance of two rows, `first` and `second`, times states, ``(n,)``."""
+        """Return the covariance of first x and second x at the n times, ``(n,)``.
+
+        x: states of the loop. `first`, `second`: rows, ``(states,)`` or ``(n, states)``.
+        """
         covariances = self._moments.covariances
         first, second = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
         return np.asarray(np.einsum("ki,kij,kj->k", first, covariances, second))
 
     def _absolute_rates(self, output: str) -> FloatArray:
-        """Return E|y'| of an `output` y at the n times [its unit/s], ``(n,)``.
+        """Return the expected size of the rate, E|y'|, of an `output` y at the n times, ``(n,)``.
 
-        `InputError` for an output that jumps.
+        In the SI unit of the output per second. `InputError` for an output that jumps.
         """
-        rate = self._rate(output)
-        return mean_absolute(self._mean_of(*rate), self._deviation_of(rate[0]))
+        row, direct = self._rate(output)
+        return mean_absolute(self._mean_of(row, direct), self._deviation_of(row))
 
     def _crossing_rates(self, limit: float, output: str) -> FloatArray:
         """Return an output's expected crossings [1/s] of +limit up and -limit down, ``(n,)``.
@@ -273,18 +282,18 @@ class LoopCovariance(GaussianOutputs):
         (row, _), loop = self._row(output), self._loop
         frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
         if loop.jumps:
-            F, noise = _over_a_sample(loop)
             period = np.pi / self.max_frequency  # the largest is half the sample rate
             if np.any(frequencies > self.max_frequency):
                 raise InputError(
                     f"omega must be up to half the sample rate, {self.max_frequency:.6g} rad/s; got"
                     f" {frequencies.max():.6g}"
                 )
-            points, A, noise = np.exp(1j * frequencies.ravel() * period), F, noise * period
+            A, sample_noise = _over_a_sample(loop)
+            p, noise = np.exp(1j * frequencies.ravel() * period), sample_noise * period
         else:
-            points, A, noise = 1j * frequencies.ravel(), loop.A, loop.noise
-        systems = points[:, np.newaxis, np.newaxis] * np.eye(len(A)) - A
-        rows = np.broadcast_to(row, (len(points), len(row)))[..., np.newaxis]
+            p, A, noise = 1j * frequencies.ravel(), loop.A, loop.noise
+        systems = p[:, np.newaxis, np.newaxis] * np.eye(len(A)) - A
+        rows = np.broadcast_to(row, (len(p), len(row)))[..., np.newaxis]
         factors = np.linalg.solve(np.swapaxes(systems, -1, -2), rows)[..., 0]
         power = np.real(np.einsum("ki,ij,kj->k", factors, noise, factors.conj()))
         return np.asarray(power / np.pi).reshape(frequencies.shape)
@@ -371,9 +380,18 @@ def turbulence_covariance(
     loop = driven_loop(autopilot, plant, (a, b, c / V), np.asarray(V), noise, loads)
     covariances, weights = stationary(loop)
     # No known wind, so means of zero.
-    moments = Moments(np.zeros(len(weights)), np.zeros(covariances.shape[:-1]), covariances)
+    means = np.zeros(covariances.shape[:-1])
+    moments = Moments(wind=np.zeros(len(weights)), means=means, covariances=covariances)
     sigma, _ = turbulence.over(altitude)
-    return LoopCovariance(float(sigma), V, loop.labels, loop, loop.output_signals, moments, weights)
+    return LoopCovariance(
+        intensity=float(sigma),
+        speed=V,
+        outputs=loop.labels,
+        _loop=loop,
+        _signals=loop.output_signals,
+        _moments=moments,
+        _weights=weights,
+    )
 
 
 def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
@@ -400,10 +418,10 @@ def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
     simpson = np.array([1.0, *([4.0, 2.0] * (_PHASES // 2))[:-1], 1.0]) / (3.0 * _PHASES)
     period = sum(jump.length for jump in loop.jumps)
     for jump in loop.jumps:
-        step, driven = steps(loop.A, loop.noise, np.array([jump.length / _PHASES]))
+        (step,), (step_noise,) = steps(loop.A, loop.noise, np.array([jump.length / _PHASES]))
         covariances.append(P)
         for _ in range(_PHASES):
-            P = step[0] @ P @ step[0].T + driven[0]
+            P = step @ P @ step.T + step_noise
             covariances.append(P)
         weights.append(simpson * (jump.length / period))
         P = jump.matrix @ P @ jump.matrix.T + jump.noise
@@ -411,7 +429,7 @@ def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
 
 
 def _unstable(pole: complex) -> str:
-    """Return the begin of a message: that the loop has an unstable pole, and which."""
+    """Return the begin of a message that the loop has an unstable pole, without its unit."""
     imaginary = f" +- {abs(pole.imag):.6g}j" if pole.imag else ""
     return f"the loop is not stable: it has a pole at {pole.real:.6g}{imaginary}"
 
@@ -425,8 +443,9 @@ def _over_a_sample(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
     n = len(loop.A)
     F, noise = np.eye(n), np.zeros((n, n))
     for jump in loop.jumps:
-        step, driven = steps(loop.A, loop.noise, np.array([jump.length]))
-        passed = jump.matrix @ step[0]
-        F = passed @ F
-        noise = passed @ noise @ passed.T + jump.matrix @ driven[0] @ jump.matrix.T + jump.noise
+        J = jump.matrix
+        (step,), (step_noise,) = steps(loop.A, loop.noise, np.array([jump.length]))
+        transition = J @ step  # through the interval and its jump
+        F = transition @ F
+        noise = transition @ noise @ transition.T + J @ step_noise @ J.T + jump.noise
     return F, noise
