@@ -99,7 +99,7 @@ def sixdof_verdict(
     which it turns at the `verdict_time` after the wind.
     """
     _check_frozen(frozen, condition)
-    case = SixDof(vehicle, plane, drift, step, earth, condition)
+    case = SixDof(vehicle, plane, drift, step=step, earth=earth, condition=condition)
     pole, begin = float(case.coefficients.pole), float(wind.onset)
     air = case.air(wind, min(0.0, begin) if frozen else begin, verdict_time(wind, pole))
     command = command_of(control, begin, actuator, rate_limit)
@@ -276,4 +276,5 @@ def flown_boundary(
         diverged, saved = (diverged, middle) if survives(middle * scale) else (middle, saved)
         flights += 1
     limit = 0.5 * (diverged + saved)
-    return FlownBoundary(limit, limit * trim, 0.5 * (saved - diverged), flights)
+    error = 0.5 * (saved - diverged)
+    return FlownBoundary(limit=limit, deflection=limit * trim, error=error, flights=flights)

@@ -121,10 +121,9 @@ class PlanarMotion:
             nominal_ratio = self._ratio(now.speed, now.altitude)
             nominal_path = self._path(now, 0.0, 0.0, now.speed, 0.0, nominal_ratio, 0.0)
             derivatives[2] = actual[0] - nominal_path[0]
-            # Both are (gamma', V'). V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x
-            derivatives[3] = (
-                actual[1] - nominal_path[1] - nominal_path[1] * self._moving * x[3]
-            ) / now.speed
+            # both are (gamma', V'); V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x; 0 if frozen
+            nominal_acceleration = 0.0 if self.nominal is None else nominal_path[1]
+            derivatives[3] = (actual[1] - nominal_path[1] - nominal_acceleration * x[3]) / now.speed
         if self.nominal is not None and self.plane == "pitch":
             climb = now.speed * (1.0 + x[3]) * np.sin(now.path + x[2])
             derivatives[4] = climb - now.speed * np.sin(now.path) if self.drift else 0.0
@@ -187,11 +186,6 @@ class PlanarMotion:
             along, across = speed * np.cos(x[2]), speed * np.sin(x[2]) + wind
             path_angle = np.arctan2(across, along)
         return x[0] - path_angle, np.hypot(along, across)
-
-    @property
-    def _moving(self) -> float:
-        """Factor of the nominal acceleration: 1 if the speed changes, 0 with frozen parameters."""
-        return 0.0 if self.nominal is None else 1.0
 
     def _path(
         self,
@@ -311,7 +305,7 @@ class PlanarCase:
         if rate_limit < np.inf and actuator is None:
             raise InputError("a rate_limit needs an actuator")
         motion = replace(self.motion, sensors=law.lateral_sensors)
-        loop = Loop(motion, law, limit, rate_limit, actuator)
+        loop = Loop(motion, law, limit=limit, rate_limit=rate_limit, actuator=actuator)
         flight = ContinuousFlight(loop, self.wind, MAX_ATTITUDE)
         arcs = flight.arcs(*self.span)
         return self._ended(arcs, lambda times: flight.rows(arcs, times))

@@ -182,7 +182,8 @@ class Hardware:
             frequency = elements(actuator.natural_frequency, shape, which)
             actuator = Actuator(natural_frequency=frequency, damping=damping)
         length, delay = (elements(a, shape, which) for a in (self.length, self.delay))
-        return Hardware(length, delay, actuator, elements(self.rate_limit, flown, flights))
+        rate_limit = elements(self.rate_limit, flown, flights)
+        return Hardware(length, delay, actuator=actuator, rate_limit=rate_limit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,7 +267,8 @@ def one_flight(
     `limit`: deflection limit [rad]. `gain`: factor on the demand of the law. `until`: end of the
     flight [s]; infinite until it is decided.
     """
-    return Batch(plant, hardware, wind, law_batch(law, ()), limit, (), gain, until)
+    laws = law_batch(law, ())
+    return Batch(plant, hardware, wind, laws, limit=limit, shape=(), gain=gain, until=until)
 
 
 def elements(array: float | FloatArray, shape: tuple[int, ...], which: IntArray) -> FloatArray:
@@ -385,13 +387,22 @@ class Timing(NamedTuple):
     def steps(self, joint: FloatArray, fine: FloatArray, ramp: FloatArray) -> Steps:
         """Return the `Steps` of these samples with transition matrices of their vehicles.
 
-        `joint`, `fine`: matrices J over the parts of a sample and over their substeps. `ramp`:
-        response to a linear deflection in a substep. `quick` is bandwidth times substep of a
-        first-order nozzle.
+        `joint`, `fine`: matrices J from states, command and wind to the next states, over the parts
+        of a sample and over their substeps. `ramp`: response to a linear deflection in a substep.
+        With them go `quick`, bandwidth times substep of a first-order nozzle, and the lengths [s].
         """
         lengths, substeps, pace, late = self
         quick = np.where(self.short > 0.0, pace * self.short, 0.0)
-        return Steps(joint, fine, substeps, ramp, lengths, self.short, quick, late)
+        return Steps(
+            joint=joint,
+            fine=fine,
+            substeps=substeps,
+            ramp=ramp,
+            lengths=lengths,
+            short=self.short,
+            quick=quick,
+            late=late,
+        )
 
 
 def steps_of(

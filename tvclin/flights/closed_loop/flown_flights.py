@@ -192,7 +192,9 @@ def checked_flight(
     varies.
     """
     first, last = wind.span(flight, start, stop)
-    along = FlownFlight(flight, autopilot, wind, model, plane, first, last, goes_on=stop is None)
+    along = FlownFlight(
+        flight, autopilot, wind, model, plane, start=first, stop=last, goes_on=stop is None
+    )
     if not isinstance(autopilot, GainSchedule):
         errors.instance("autopilot", autopilot, Autopilot, "or a GainSchedule")
         if autopilot.batch:
@@ -267,14 +269,6 @@ def flown_in_winds(
     return flown_cases(f, np.ones(limit.size, bool), rings), f
 
 
-def _with_cases(flown: FlownCases, which: IntArray, further: FlownCases) -> FlownCases:
-    """Return m outcomes, those at the indices `which` replaced by the `further` outcomes."""
-    outcomes = {name: np.array(values) for name, values in vars(flown).items()}
-    for name, values in outcomes.items():
-        values[which] = getattr(further, name)
-    return FlownCases(**outcomes)
-
-
 def fly_together(
     flights: Sequence[FlownFlight], which: IntArray, limit: FloatArray, rate_limit: FloatArray
 ) -> FlownCases:
@@ -311,7 +305,10 @@ def fly_together(
     begins = np.cumsum([0, *np.diff(winds)[owners[:-1]]])
     positions = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
     continued = fly_together(further_flights, positions, limit[cases], rate_limit[cases])
-    return _with_cases(flown, cases, continued)
+    outcomes = {name: np.array(values) for name, values in vars(flown).items()}
+    for name, values in outcomes.items():
+        values[cases] = getattr(continued, name)
+    return FlownCases(**outcomes)
 
 
 def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Stages]]:

@@ -23,7 +23,7 @@ from tvclin.boundary.forecast_free import unstable_coordinates
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.laws.law import Law
 from tvclin.control.margins.margins import margin
-from tvclin.flights.closed_loop.batch import Batch, Hardware, one_flight
+from tvclin.flights.closed_loop.batch import Hardware, one_flight
 from tvclin.flights.closed_loop.checks import MAX_DELAY_SAMPLES, check_flight
 from tvclin.flights.closed_loop.fly_many import RINGS, SURVIVED, UNDECIDED, fly_many
 from tvclin.flights.closed_loop.sampled_stability import (
@@ -299,7 +299,7 @@ def flown_margins(
     highest = min(max(_DEFAULT_HIGHEST, ratio), _MAX_LIMIT)
     boundary = closed_loop_boundary(plant, law, wind, cuts=cuts, highest=highest, **options)
     length = 1.0 / float(sample_rate)
-    hardware = Hardware(length, float(delay), actuator, float(rate_limit))
+    hardware = Hardware(length, float(delay), actuator=actuator, rate_limit=float(rate_limit))
     flight = one_flight(plant, law, wind, level, hardware)
     pole = float(unstable_coordinates(plant.rigid).poles[0])
     worst = dominant_pole(flight)
@@ -323,7 +323,10 @@ def flown_margins(
             f" {'' if known else 'more than '}{required_deg:.4g} deg; got {np.degrees(level):.4g}"
             " deg"
         )
-    linear = _linear_margins(flight, pole)
+    # changes at which the loop in its linear range becomes unstable: four factors, a delay [s]
+    names = ("gain", "effectiveness")
+    factors = [factor for name in names for factor in linear_gain_margins(flight, name, pole)]
+    linear = dict(zip(CHANGES, (*factors, linear_delay_margin(flight, pole)), strict=True))
     margins = {name: _margin(flights, name, linear[name], pole) for name in CHANGES}
     warnings = [] if boundary.status in (OK, ALWAYS) else [f"boundary: {boundary.status}"]
     if ratio < boundary.limit:
@@ -372,17 +375,6 @@ class _Flights:
             return status
 
         return status_in_all_winds(self.winds, status, values.size)
-
-
-def _linear_margins(flight: Batch, pole: float) -> dict[str, float]:
-    """Return the linear margin of each of `CHANGES`, a factor or a delay [s].
-
-    The change is that at which the loop in its linear range becomes unstable. `flight`: batch of
-    the unchanged flight. `pole`: fastest unstable pole of the plant [1/s].
-    """
-    names = ("gain", "effectiveness")
-    factors = [factor for name in names for factor in linear_gain_margins(flight, name, pole)]
-    return dict(zip(CHANGES, (*factors, linear_delay_margin(flight, pole)), strict=True))
 
 
 def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMargin:

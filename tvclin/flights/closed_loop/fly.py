@@ -180,7 +180,7 @@ def flight_responses(
     else:
         length = 1.0 / check_sample_rate(sample_rate, actuator)
         late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
-        hardware = Hardware(length, late, actuator, max_rate)
+        hardware = Hardware(length, late, actuator=actuator, rate_limit=max_rate)
         rows = _sampled(plant, law, wind, times, limit, hardware, factor)
     system = law.lateral_sensors.system(plant)
     outputs = np.vstack([outputs_of(system, rows, wind(times)), rows[-1:]])
@@ -206,12 +206,14 @@ def _continuous(
         raise InputError("noise belongs to samples; give a sample_rate")
     if any(law.chains):
         raise InputError("filters are flown by samples; give a sample_rate")
-    if limits[1] < np.inf and actuator is None:
+    limit, rate_limit = limits
+    if rate_limit < np.inf and actuator is None:
         raise InputError("a rate_limit needs an actuator or a sample_rate")
     check_actuator(actuator)
     # the equations do not depend on time, and near zero its rounding is smallest
     equations = LinearEquations(plant, law.lateral_sensors)
-    start, loop = float(wind.onset), Loop(equations, law, *limits, actuator, gain)
+    loop = Loop(equations, law, limit=limit, rate_limit=rate_limit, actuator=actuator, gain=gain)
+    start = float(wind.onset)
     flight, times = ContinuousFlight(loop, wind.shift(-start)), times - start
     return flight.rows(flight.arcs(0.0, float(times.max())), times)
 
@@ -351,19 +353,28 @@ def fly_nozzle(
     status = str(fly_many(plant, law, wind, **options).status)
     none = np.empty(0)
     if status in (LOST, NO_FLIGHT):
-        return NozzleFlight(status, none, none, none, none, None, None)
+        return NozzleFlight(status, none, none, none, none, rate=None, acceleration=None)
     first = onset + delay % h  # commands arrive in this phase of a sample
     after = min(_TIME_AFTER_WIND_TIMES_POLE / float(plant.coefficients.pole), longest)
     count = int(np.ceil((end - first + after) / h))
     times = np.asarray(first + h / per_sample * np.arange(count * per_sample + 1), dtype=np.float64)
-    hardware = Hardware(h, delay, actuator, rate_limit)
+    hardware = Hardware(h, delay, actuator=actuator, rate_limit=rate_limit)
     flight = one_flight(plant, law, wind, deflection_limit, hardware, until=times[-1] + h)
     rows, rate, acceleration = tracked(flight, times)
     outputs = outputs_of(flight.system, rows, wind(times))
     alpha, attitude = (
         outputs[plant.outputs.index(name)] for name in ("angle_of_attack", "attitude")
     )
-    return NozzleFlight(status, times, rows[-1], alpha, attitude, rate, acceleration, per_sample)
+    return NozzleFlight(
+        status=status,
+        times=times,
+        deflection=rows[-1],
+        angle_of_attack=alpha,
+        attitude=attitude,
+        rate=rate,
+        acceleration=acceleration,
+        times_per_sample=per_sample,
+    )
 
 
 def times_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:

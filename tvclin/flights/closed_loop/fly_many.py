@@ -49,15 +49,16 @@ _RATE_AT_LIMIT = 0.999
 
 
 def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
-    """Return whether the nozzle of each of m flights still reaches limits long after it, ``(m,)``.
+    """Return whether the nozzle of each of m flights reaches limits long after its wind, ``(m,)``.
 
-    Those that survive are continued in still air, but for laws with noise. `f`: arrays of the
-    flights at their ends. `laws`: their laws.
+    Flights that survive are continued in still air, but for laws with noise. A nozzle without a
+    limit in two successive intervals is at rest. `f`: arrays of the flights at their ends. `laws`:
+    their laws.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.cases.law]
     active = np.flatnonzero((f.now.outcome == SURVIVED_CODE) & silent & (f.cases.settling > 0))
-    quiet, g = np.zeros(active.size, dtype=int), f
-    indices = active
+    quiet, g = np.zeros(active.size, dtype=int), f  # intervals without a limit; continued flights
+    indices = active  # of the active flights in g
     for _ in range(int(WAITING / (SETTLING * _INTERVAL_OVER_SETTLING))):
         if not active.size:
             break
@@ -273,8 +274,8 @@ def fly_many(
     possible &= fastest_poles(plant) <= MAX_POLE_TIMES_SAMPLE * rate
     possible &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MAX_SAMPLES)
     possible &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
-    hardware = Hardware(1.0 / rate, delays, actuator, max_rate)
-    batch = Batch(plant, hardware, wind, laws, limit, shape, factor, stop)
+    hardware = Hardware(1.0 / rate, delays, actuator=actuator, rate_limit=max_rate)
+    batch = Batch(plant, hardware, wind, laws, limit=limit, shape=shape, gain=factor, until=stop)
     if not np.any(possible):
         return flown_cases(None, possible, possible)
     flyable = batch if np.all(possible) else batch.only(possible)

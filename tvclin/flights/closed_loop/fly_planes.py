@@ -63,7 +63,7 @@ def plane_flights(
     rate limit.
     """
     laws, length = law_batch(law, limit.shape), float(hardware.length)
-    batch = Batch(plant, hardware, component, laws, limit, limit.shape)
+    batch = Batch(plant, hardware, component, laws, limit=limit, shape=limit.shape)
     with np.errstate(invalid="ignore"):  # a plane without wind
         f = flights(batch)
     onset = float(wind.onset)
@@ -102,7 +102,12 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
     """
     m, order, limit_shape = limit.size, len(law.law.states[0]), law.shape
     outcomes = PlaneOutcomes(
-        np.zeros(m), np.zeros(m), np.zeros(m), np.full(m, -1), np.zeros(m, int), []
+        attitude=np.zeros(m),
+        deflection=np.zeros(m),
+        saturated=np.zeros(m),
+        ended=np.full(m, -1),
+        outcome=np.zeros(m, int),
+        shown=[],
     )
     steppers, at_limit = [Stepper(f) for f in pair], np.ones(m)
     last = int(max(f.cases.finish.max(initial=-1) for f in pair))
@@ -310,7 +315,8 @@ def fly_planes(
     limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
     length = np.asarray(1.0 / rate)
     delays = check_delays(number("delay", delay), length)
-    hardware = Hardware(length, delays, actuator, check_rate_limit(rate_limit))
+    max_rate = check_rate_limit(rate_limit)
+    hardware = Hardware(length, delays, actuator=actuator, rate_limit=max_rate)
     for plane_plant in planes:
         check_fastest_pole(plane_plant, 1.0 / rate)
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
@@ -385,8 +391,13 @@ def flown_plane_limit(
         return flown(deflection_limit=limits * scale).status
 
     limit = limit_above_losses(status, np.linspace(low, high, STEPS + 1))
-    survives = limit.outcomes == SURVIVED
-    return FlownPlaneLimit(limit.limit, limit.limit * scale, limit.scan, survives, limit.status)
+    return FlownPlaneLimit(
+        limit=limit.limit,
+        deflection=limit.limit * scale,
+        scan=limit.scan,
+        survives=limit.outcomes == SURVIVED,
+        status=limit.status,
+    )
 
 
 def _plants(plant: Plant, yaw_plant: Plant | None) -> tuple[Plant, Plant]:

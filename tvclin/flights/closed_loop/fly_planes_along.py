@@ -159,10 +159,12 @@ def _flight_in_planes(
         along.stages.flights(batch, track=True) for along, batch in zip(pair, batches, strict=True)
     ]
     statuses = set()
+    # limit cycles are looked for with the largest limits that planes may use separately
+    by_planes = isinstance(shape, PolygonShape) and shape.by_planes
+    separate_limits = (shape if by_planes else shape.each_plane()).plane_limits
     with repeated(SIMILAR_RUNS):
         finish_in_planes(flights[0], flights[1], _normals(shape), np.array([limit]))
-        for batch, f, inner in zip(batches, flights, _separate_limits(shape), strict=True):
-            # limit cycles are looked for with the largest limits of planes that are separate
+        for batch, f, inner in zip(batches, flights, separate_limits, strict=True):
             within = f._replace(cases=f.cases._replace(limit=np.array([limit * inner])))
             cases = flown_cases(f, np.ones(1, bool), unstable_loops(batch, within))
             statuses.add(str(cases.status[0]))
@@ -187,17 +189,6 @@ def _normals(shape: CircularShape | PolygonShape) -> FloatArray:
     if shape.by_planes:
         return np.zeros((1, 2))
     return np.column_stack([shape.normals.real, shape.normals.imag])
-
-
-def _separate_limits(shape: CircularShape | PolygonShape) -> FloatArray:
-    """Return the limits of both planes within a limit shape, normalised by its limit, ``(2,)``.
-
-    Each plane may use its limit whatever the other does: they are the sides of a rectangle in the
-    shape, or of the largest one inside a shape that is none.
-    """
-    if isinstance(shape, PolygonShape) and shape.by_planes:
-        return shape.plane_limits
-    return shape.each_plane().plane_limits
 
 
 def _vector_flight(

@@ -145,7 +145,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     chains = [element.chains for element in distinct]
     which = np.broadcast_to(index.reshape(laws.shape), shape).ravel()
     sensors = reduce(LateralSensors.joined, (element.lateral_sensors for element in distinct))
-    return LawBatch(distinct, numbers, chains, which, sensors)
+    return LawBatch(distinct, numbers=numbers, chains=chains, which=which, sensors=sensors)
 
 
 def _array(law: Any) -> AnyArray:
@@ -182,7 +182,8 @@ def _batch_of_gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
         LawNumbers(**dict(zip(fields, row, strict=True))) for row in zip(*columns, strict=True)
     ]
     index = np.broadcast_to(np.arange(len(numbers)).reshape(gains.batch), shape).ravel()
-    return LawBatch((), numbers, [chains], index, gains.lateral_sensors)
+    sensors = gains.lateral_sensors
+    return LawBatch(laws=(), numbers=numbers, chains=[chains], which=index, sensors=sensors)
 
 
 def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:

@@ -201,7 +201,12 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     actuator, f = flight.hardware.actuator, flown(flight, track=True)
     n = len(flight.system.states)
     system = plant_with_actuator(flight.plant, actuator, flight.laws.sensors)
-    _check_recorded(f, n)
+    with np.errstate(invalid="ignore"):  # NaN exceeds it too
+        track = _recorded_rows(f)
+        beyond = ~(np.abs(track[:, :n]).max(axis=1) <= LOST)
+    if np.any(beyond):
+        first = track[np.argmax(beyond)]
+        check_not_lost(float(first[-1]), first[:n])  # its last number is the time
     at = _substeps(f, system, n, times)
     rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
@@ -220,19 +225,6 @@ def outputs_of(plant: LinearSystem, rows: FloatArray, gusts: FloatArray) -> Floa
     """
     direct = plant.D[:, : len(VEHICLE_INPUTS)] @ np.stack([rows[-1], gusts])
     return np.asarray(plant.C @ rows[:-1] + direct)
-
-
-def _check_recorded(f: Flights, order: int) -> None:
-    """Raise `InputError` if the recorded flight `f` has a state that exceeds `LOST`.
-
-    `order`: number of states of the plant, which come first.
-    """
-    track = _recorded_rows(f)
-    with np.errstate(invalid="ignore"):
-        beyond = ~(np.abs(track[:, :order]).max(axis=1) <= LOST)
-    if np.any(beyond):
-        first = track[np.argmax(beyond)]
-        check_not_lost(float(first[-1]), first[:order])  # its last number is the time
 
 
 def _rows(

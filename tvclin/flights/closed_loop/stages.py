@@ -160,14 +160,16 @@ class Stages:
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
         vehicle = self.first[self.flight_of_wind[which]]
         numbers: Any = self._law_rows.view(np.recarray)
-        laws = LawBatch((), numbers, [chains], vehicle, self.sensors)
+        laws = LawBatch(
+            laws=(), numbers=numbers, chains=[chains], which=vehicle, sensors=self.sensors
+        )
         return Batch(
             self.plants,
             replace(self.hardware, rate_limit=rate_limit),
             self.winds[0],
             laws,
-            limit,
-            limit.shape,
+            limit=limit,
+            shape=limit.shape,
             until=float(self.times.max()),
             vehicle=vehicle,
             encountered=which,
@@ -491,14 +493,15 @@ class Stages:
 
     @cached_property
     def _judged(self) -> tuple[IntArray, IntArray]:
-        """Samples after which flights through each wind are judged, and for which they settle.
+        """Samples after which flights through each wind are judged, and numbers of settled samples.
 
-        A flight survives if it stays settled for the second number of samples. Both are ``(w,)``.
-        In a wind that lasts until the end of the flight the first is the settling time before that
-        end.
+        A flight survives if it stays settled, well inside the recoverable set, for the second
+        number of samples. Both are ``(w,)``. In a wind that lasts until the end of the flight the
+        first is the settling time before that end.
         """
         h, flight = self.period, self.flight_of_wind
         samples, ends = self.samples[flight], self._ends[0] - self.first[flight]
+        # of `plants` those at the ends of winds and of flights follow those at the breakpoints
         criteria, begin = outcome_criteria(self.plants), sum(map(np.size, self.vehicle_breaks))
         settling = np.ceil(np.where(np.isnan(criteria.reach), 0.0, criteria.settling) / h)
         after_wind, at_end = (

@@ -125,7 +125,14 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
         limit, reason = bottom, ALWAYS
     elif low == top:
         limit, reason = np.inf, NEVER if reason == OK else f"{NEVER}; {OPEN}"
-    return SurvivalLimit(limit, low, values[order], outcomes[order], refinements, reason)
+    return SurvivalLimit(
+        limit=limit,
+        lost=low,
+        scan=values[order],
+        outcomes=outcomes[order],
+        refinements=refinements,
+        status=reason,
+    )
 
 
 def limits_above_losses(
@@ -144,7 +151,7 @@ def limits_above_losses(
     scan = span * np.linspace(0.0, 1.0, count + 1)[:, np.newaxis]
 
     def logarithm_lost(x: FloatArray) -> BoolArray:
-        """Return whether values are lost; `x`: their logarithms over those of `low`, ``(k, n)``."""
+        """Return whether the values `low` e^x ``(k, n)`` are lost; those above `high` are not."""
         return lost(low * np.exp(np.minimum(x, span))) & (x <= span)
 
     levels = [(fine, int(AHEAD / FINE), 1), (fine / LAST_PARTS, LAST_PARTS - 1, 1)]
@@ -362,7 +369,7 @@ def closed_loop_boundary(
     scale = abs(float(plant.coefficients.B) * float(wind.peak))  # the largest trim deflection [rad]
     check_fastest_pole(plant, length)
     winds = winds_with_stops(wind, cuts, length)
-    hardware = Hardware(length, delays, actuator, max_rate)
+    hardware = Hardware(length, delays, actuator=actuator, rate_limit=max_rate)
 
     @cache
     def flight(wind: History) -> Callable[[FloatArray], Words]:

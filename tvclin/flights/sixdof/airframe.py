@@ -248,12 +248,13 @@ class Prediction:
         next_rate = rate + h * (1.5 * self._acceleration - 0.5 * self._acceleration_before)
         rotation = 0.5 * h * (rate + next_rate)
         path_rotation = self._path - self._path_before
+        alpha = self._alpha + rotation - path_rotation - (angle - self._wind_angle)
         plain = Measurement(
-            self._attitude + rotation - nominal[0],
-            next_rate - nominal[1],
-            self._path + path_rotation - nominal[2],
-            self._alpha + rotation - path_rotation - (angle - self._wind_angle) - nominal[3],
-            self._deflection,
+            attitude=self._attitude + rotation - nominal[0],
+            attitude_rate=next_rate - nominal[1],
+            flight_path_angle=self._path + path_rotation - nominal[2],
+            angle_of_attack=alpha - nominal[3],
+            deflection=self._deflection,
         )
         return plain if self._lateral is None else self._lateral.measured(plain)
 

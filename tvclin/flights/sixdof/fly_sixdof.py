@@ -129,10 +129,10 @@ class SixDof:
         angles = step_means(wind, times, self.step)
         if self.condition is None:
             speeds = self._speeds(angles, self.vehicle.velocity, self.vehicle.attitude)
-            return Air(wind, times, angles, speeds, None)
+            return Air(wind, times, angles=angles, speeds=speeds, trajectory=None)
         trajectory = nominal_trajectory(self.vehicle, self.condition, times)
         speeds = self._speeds(angles, trajectory.speeds, trajectory.rows[:, 2])
-        return Air(wind, times, angles, speeds, trajectory)
+        return Air(wind, times, angles=angles, speeds=speeds, trajectory=trajectory)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
         """Return the function of the deflection for a command of the nozzle within a limit [rad].
@@ -144,7 +144,9 @@ class SixDof:
             return by_history(control, air.times, self.step, limit)
         if isinstance(control, ReportControl):
             trim = TrimLaw(Plant.from_vehicle(self.vehicle, "fixed-path", self.plane))
-            return TrimThenHold(trim, limit, control.dead_band, air.wind, air.times, self.step)
+            return TrimThenHold(
+                trim, limit, control.dead_band, wind=air.wind, times=air.times, step=self.step
+            )
         frequency = 0.0 if actuator is None else float(actuator.natural_frequency)
         if self.step * frequency > _MAX_STEP_TIMES_ACTUATOR:
             raise InputError(
@@ -281,7 +283,7 @@ def fly_sixdof(
     >>> tv.fly_sixdof(vehicle, wind=wind, timepts=[0, 15], **above).outputs["attitude"].round(3)
     array([0.   , 0.092])
     """
-    case = SixDof(vehicle, plane, drift, step, earth, condition)
+    case = SixDof(vehicle, plane, drift, step=step, earth=earth, condition=condition)
     times = times_row("timepts", timepts)
     air = case.air(wind, float(times.min()), float(times.max()))
     command = command_of(control, float(times.min()), actuator, rate_limit)
@@ -348,9 +350,9 @@ def _wind_at_steps(
 ) -> tuple[FloatArray, FloatArray]:
     """Return wind speeds [m/s] and wind angles [rad] at the n steps of a flight, ``(n,)`` each.
 
-    A plane without wind has the same number of steps as `SixDof.air` makes. `case`: vehicle and
-    options in one plane. `wind`: component of the wind in the plane, which may be zero. `begin`,
-    `until`: start and end of the flight [s].
+    `case`: vehicle and options in one plane. `wind`: component of the wind in the plane; where it
+    is zero, there are as many steps as in the other plane, by `SixDof.air`. `begin`, `until`: start
+    and end of the flight [s].
     """
     if np.isfinite(wind.onset):
         air = case.air(wind, begin, until)

@@ -143,7 +143,10 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | 
     `departure`: initial state with the vehicle's parameters; without it they are constant.
     """
     root = Element("fdm_config", name="tvclin", version="2.0")
-    _metrics(root, vehicle)
+    metrics = SubElement(root, "metrics")
+    for name in ("wingarea", "wingspan", "chord"):  # reference lengths of one
+        _text(metrics, name, 1.0)
+    _place(metrics, -float(vehicle.aerodynamic_arm), name="AERORP")  # centre of pressure
     across = float(vehicle.moment_of_inertia)
     inertias = across / _INERTIA_OVER_ROLL_INERTIA, across, across
     balance = mass_balance(root, float(vehicle.mass), inertias)
@@ -154,8 +157,8 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | 
         load = ("quotient", "aero/qbar-psf", departure.dynamic_pressure * FOOT**2 / POUND_FORCE)
     _aerodynamics(root, vehicle, load)
     reactions = SubElement(root, "external_reactions")
-    for name in DEFLECTIONS.values():
-        _text(reactions, "property", name)
+    for path in DEFLECTIONS.values():
+        _text(reactions, "property", path)
     _nozzle(reactions, vehicle)
     if departure is None:
         _frozen(reactions, vehicle, heading)
@@ -189,14 +192,6 @@ def _burning(root: Element, balance: Element, departure: InitialState) -> None:
     function = SubElement(channel, "fcs_function", name="tvclin/burnt-lbs")
     _function(function, ("product", flow, "simulation/sim-time-sec"))
     _text(function, "output", "inertia/pointmass-weight-lbs")
-
-
-def _metrics(root: Element, vehicle: Vehicle) -> None:
-    """Add unit reference lengths and the centre of pressure of a vehicle to the aircraft `root`."""
-    metrics = SubElement(root, "metrics")
-    for name in ("wingarea", "wingspan", "chord"):
-        _text(metrics, name, 1.0)
-    _place(metrics, -float(vehicle.aerodynamic_arm), name="AERORP")
 
 
 def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
