@@ -57,6 +57,7 @@ def smooth_values(
     storage : Storage, optional
         Memory of the arrays that are returned; by default new.
     """
+    # runs: successive times of one interval; pending: those that may be interpolated
     edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), times.size]
     runs = [slice(*ends) for ends in pairwise(edges) if ends[0] < ends[1]]
     pending = [run for run in runs if interval[run.start] >= 0 and _worth(run, _FIRST_DEGREE)]
@@ -79,7 +80,9 @@ def smooth_values(
     at_nodes = list(np.split(rows, max(len(pending), 1)))
     remaining: list[slice] = []
     while pending:
-        points = np.stack(at_nodes)  # (runs, degree + 1, elements)
+        # values (runs, degree + 1, elements); every second point is one of half the degree, from
+        # which those between are interpolated, to be compared
+        points = np.stack(at_nodes)
         changes = np.nan_to_num(points - points[:, :1])
         middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
         agree = _agree(middles @ changes[:, ::2] + points[:, :1], points, columns[:-1])
@@ -92,7 +95,7 @@ def smooth_values(
                 rest.append((run, of_run))
             elif not accepted:
                 remaining.append(run)
-        pending, degree = [run for run, _ in rest], 2 * degree
+        pending, degree = [run for run, _ in rest], 2 * degree  # those that do not agree yet
         at_nodes = _refined(function, times, rest, degree)
     if remaining:
         which = np.concatenate([np.arange(run.start, run.stop) for run in remaining])
@@ -170,7 +173,8 @@ class Surface:
                 name: np.concatenate([value - value[0], (a[:count] - a[count:]) / (2.0 * z)])
                 for (name, value), a in zip(values.items(), made.values(), strict=True)
             }
-            return cls(x, y, degree, {name: value[0] for name, value in values.items()}, table)
+            first = {name: value[0] for name, value in values.items()}
+            return cls(x=x, y=y, degree=degree, first=first, table=table)
         return None
 
     def factors(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
@@ -247,9 +251,10 @@ def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
 
 
 def _worth(run: slice, degree: int) -> bool:
-    """Return whether the times of an interval suffice for interpolants of a degree and its double.
+    """Return whether an interval has enough times for interpolants of a degree and of its double.
 
-    `run`: slice of these times among all times.
+    With fewer, the function is better evaluated at the times themselves. `run`: slice of these
+    times among all times.
     """
     return run.stop - run.start >= _MIN_TIMES_PER_POINT * (2 * degree + 1)
 
@@ -260,7 +265,10 @@ def _nodes(times: FloatArray, degree: int) -> FloatArray:
 
 
 def _angles(times: FloatArray, first: float, last: float) -> FloatArray:
-    """Return the angles of times on the half circle [rad], 0 at the time `first`, pi at `last`."""
+    """Return the angles of times on the half circle [rad], 0 at the time `first`, pi at `last`.
+
+    Their cosines are minus the times, scaled to -1 to 1; Chebyshev points have equidistant angles.
+    """
     middle = 2.0 * (times - first) / (last - first) - 1.0
     return np.arccos(np.clip(-middle, -1.0, 1.0))
 

@@ -65,12 +65,12 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
     lengths, n = np.asarray(times, float), A.shape[-1]
     sizes = np.abs(A) + np.abs(noise)
     links = sizes if sizes.ndim == 2 else sizes.max(axis=0, initial=0.0)
-    moving = np.flatnonzero(np.any(links, axis=0) | np.any(links, axis=1))
+    moving = np.flatnonzero(np.any(links, axis=0) | np.any(links, axis=1))  # states with a link
     if moving.size < n:  # the others keep their values and act on none
         F, Q = np.tile(np.eye(n), (lengths.size, 1, 1)), np.zeros((lengths.size, n, n))
         row, column = moving[:, np.newaxis], moving
-        parts = steps(A[..., row, column], noise[..., row, column], lengths)
-        F[:, row, column], Q[:, row, column] = parts
+        moved = steps(A[..., row, column], noise[..., row, column], lengths)
+        F[:, row, column], Q[:, row, column] = moved
         return F, Q
     _, scale = balanced(np.abs(A) if A.ndim == 2 else np.abs(A).max(axis=0, initial=0.0))
     A, noise = A * (scale / scale[:, np.newaxis]), noise / np.multiply.outer(scale, scale)
@@ -215,7 +215,10 @@ def crossing_rate(
 
 
 def _ratio(mean: FloatArray, deviation: FloatArray) -> FloatArray:
-    """Return mean over standard deviation, up to 1e6 in size where the deviation is near zero."""
+    """Return mean over standard deviation, up to 1e6 in size where the deviation is near zero.
+
+    The bound is far beyond the range in which a normal distribution changes.
+    """
     floor = np.maximum(deviation, np.maximum(1e-6 * np.abs(mean), np.finfo(float).tiny))
     return np.asarray(mean / floor)
 

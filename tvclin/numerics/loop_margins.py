@@ -110,7 +110,12 @@ def stability(loop: AnyLoop) -> Stability:
     delayed = loop.delay > 0.0
     at_axis = np.where(delayed, np.any(at_crossing, axis=-1), np.any(on_axis, axis=-1))
     count = unstable + np.where(delayed, added, 0.0).astype(np.intp)
-    return Stability(poles, np.asarray(count), np.asarray(at_zero | at_axis), frequencies)
+    return Stability(
+        poles=poles,
+        unstable_poles=np.asarray(count),
+        marginal=np.asarray(at_zero | at_axis),
+        crossovers=frequencies,
+    )
 
 
 def _initial_phase_to_axis(
@@ -235,11 +240,21 @@ class LoopAnalysis:
 
 
 def analyse_loops(loop: AnyLoop) -> LoopAnalysis:
-    """Return stability, crossovers and peaks of a batch of loops ``(k,)``, in blocks for memory."""
+    """Return stability, crossovers and peaks of a batch of loops ``(k,)``, in blocks for memory.
+
+    Rows of crossovers have one width for all blocks, filled with NaN.
+    """
     starts = range(0, max(len(loop.delay), 1), _LOOPS_PER_BLOCK)
-    return _concatenated(
-        [_block_analysis(loop.take(slice(start, start + _LOOPS_PER_BLOCK))) for start in starts]
-    )
+    blocks = [_block_analysis(loop.take(slice(k, k + _LOOPS_PER_BLOCK))) for k in starts]
+    joined: list[AnyArray] = []
+    for field in fields(LoopAnalysis):
+        arrays = [getattr(block, field.name) for block in blocks]
+        if arrays[0].ndim == 2:
+            width = max(array.shape[-1] for array in arrays)
+            padding = [(0, 0), (0, width)]
+            arrays = [np.pad(a, padding, constant_values=np.nan)[:, :width] for a in arrays]
+        joined.append(np.concatenate(arrays))
+    return LoopAnalysis(*joined)
 
 
 def classical_margins(analysis: LoopAnalysis) -> FloatArray:
@@ -276,17 +291,17 @@ def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
     phase_frequencies, sizes = _phase_crossovers(loop, omega, *parts)
     peaks = np.full((len(omega), 3, 2), np.nan)  # of |S|, |T| and |S - T|/2: height, frequency
     with np.errstate(divide="ignore"):
-        # L e^(-j omega T) is -1 where |L| = 1 and omega T = phi + 2 pi n
+        # L e^(-j omega T) is -1 where |L| = 1 and omega T is the phase lag to -1, plus full turns
         delays, factors = phases % (2.0 * np.pi) / gain_frequencies, 1.0 / sizes
         analysis = LoopAnalysis(
-            verdict.unstable_poles,
-            verdict.marginal,
-            gain_frequencies,
-            phases,
-            delays,
-            phase_frequencies,
-            factors,
-            peaks,
+            unstable_poles=verdict.unstable_poles,
+            marginal=verdict.marginal,
+            gain_frequencies=gain_frequencies,
+            phases=phases,
+            delays=delays,
+            phase_frequencies=phase_frequencies,
+            factors=factors,
+            peaks=peaks,
         )
     stable = np.flatnonzero(analysis.stable)
     peaks[stable] = _closed_loop_peaks(
@@ -377,12 +392,16 @@ def _closed_loop_peaks(
 ) -> FloatArray:
     """Return the maxima of |S|, |T| and |S - T|/2 and their frequencies [rad/s], ``(k, 3, 2)``.
 
-    `loop`: k stable loops L = N/D, with S = 1/(1 + L) and T = L/(1 + L). `omega`: grid of
+    S = 1/(1 + L) = D/(D + N) and T = N/(D + N) for L = N/D. The inverse of the maximum of |S - T|/2
+    is the disk margin alpha: L f is stable for all f in the disk (1 + d/2)/(1 - d/2), |d| < alpha,
+    exactly if alpha |S - T|/2 < 1 everywhere. `loop`: k stable loops L. `omega`: grid of
     frequencies from zero on, ``(k, n)`` [rad/s]. `N`, `D`: numerator and denominator on it, ``(k,
     n)``. Local maxima of the grid that may be the highest are refined, and compared with the values
     at infinity, where L is its direct term.
     """
-    values = np.stack(_sensitivity_sizes(N, D), axis=1)
+    inverse_return = inverse(D + N)
+    sizes = [_size(product(numerator, inverse_return)) for numerator in _numerators(N, D)]
+    values = np.stack(sizes, axis=1)
     values = np.nan_to_num(values, nan=-np.inf, copy=False)
     top = np.argmax(values, axis=-1)
     height = values.max(axis=-1)
@@ -416,16 +435,6 @@ def _closed_loop_peaks(
     beyond = height <= at_infinity
     pair = [np.where(beyond, at_infinity, height), np.where(beyond, np.inf, where)]
     return np.stack(pair, axis=-1)
-
-
-def _sensitivity_sizes(N: ComplexArray, D: ComplexArray) -> list[FloatArray]:
-    """Return |S|, |T| and |S - T|/2 of S = 1/(1 + L) = D/(D + N) and T = N/(D + N), L = N/D.
-
-    The inverse of the maximum of |S - T|/2 is the disk margin alpha: L f is stable for all f in the
-    disk (1 + d/2)/(1 - d/2), |d| < alpha, exactly if alpha |S - T|/2 < 1 everywhere.
-    """
-    inverse_return = inverse(D + N)
-    return [_size(product(part, inverse_return)) for part in _numerators(N, D)]
 
 
 def _numerators(N: ComplexArray, D: ComplexArray) -> tuple[ComplexArray, ...]:
@@ -465,16 +474,3 @@ def row_minimum(values: FloatArray, frequencies: FloatArray) -> tuple[FloatArray
         np.take_along_axis(a, index, axis=-1)[:, 0] for a in (filled, frequencies)
     )
     return minimum, np.where(np.isinf(minimum), np.nan, frequency)
-
-
-def _concatenated(parts: list[LoopAnalysis]) -> LoopAnalysis:
-    """Return the analyses of several blocks of loops as one, rows filled with NaN to one width."""
-    joined: list[AnyArray] = []
-    for field in fields(LoopAnalysis):
-        arrays = [getattr(part, field.name) for part in parts]
-        if arrays[0].ndim == 2:
-            width = max(array.shape[-1] for array in arrays)
-            padding = [(0, 0), (0, width)]
-            arrays = [np.pad(a, padding, constant_values=np.nan)[:, :width] for a in arrays]
-        joined.append(np.concatenate(arrays))
-    return LoopAnalysis(*joined)

@@ -261,7 +261,8 @@ class StateLoop:
         poles[np.abs(poles) <= _INTEGRATOR_POLE * size] = 0.0
         cluster = (np.abs(poles) <= _INTEGRATOR_CLUSTER * size) & ~modal[:, np.newaxis]
         poles[cluster & (cluster.sum(axis=-1, keepdims=True) > 1)] = 0.0
-        return cls(A, B, C, D, delay, poles, residues, modal, np.arange(len(A)))
+        spectrum = {"poles": poles, "residues": residues, "modal": modal}
+        return cls(A, B, C, D, all_delays=delay, **spectrum, case=np.arange(len(A)))
 
     @property
     def delay(self) -> FloatArray:

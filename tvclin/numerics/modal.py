@@ -13,7 +13,7 @@ that are requested.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from math import prod
 from typing import Any
@@ -88,7 +88,7 @@ class ModalSystem:
     def select_outputs(self, rows: Sequence[int]) -> "ModalSystem":
         """Return the system with the outputs at the ascending positions `rows` alone."""
         last = rows[-1] == self.outputs.shape[-1] - 1
-        return ModalSystem(self.poles, self.gains, self.outputs[..., rows], self.less_wind and last)
+        return replace(self, outputs=self.outputs[..., rows], less_wind=self.less_wind and last)
 
 
 def is_unstable(poles: AnyArray) -> BoolArray:

@@ -200,8 +200,12 @@ def add(first: Pieces, second: Pieces) -> Pieces:
         merged = np.sort(np.concatenate(knots, axis=-1), axis=-1)
         merged = merged if shape else np.unique(merged)
     degree = max(first.degree, second.degree)
-    coefficients = [_padded_degree(_on_knots(p, merged), degree) for p in (first, second)]
-    c = [np.broadcast_to(a, (*shape, merged.shape[-1], *a.shape[-2:])) for a in coefficients]
+    c = []
+    for p in (first, second):
+        terms = _on_knots(p, merged)
+        padding = [(0, 0)] * (terms.ndim - 1) + [(0, degree - p.degree)]  # zeros up to the degree
+        terms = np.pad(terms, padding)
+        c.append(np.broadcast_to(terms, (*shape, merged.shape[-1], *terms.shape[-2:])))
     rates = [np.broadcast_to(p.rates, (*shape, p.rates.shape[-1])) for p in (first, second)]
     shorter, longer = sorted((0, 1), key=lambda i: rates[i].shape[-1])
     count = rates[shorter].shape[-1]
@@ -334,11 +338,6 @@ def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
     return np.where((index < 0)[..., np.newaxis, np.newaxis], 0.0, c)
 
 
-def _padded_degree(c: AnyArray, degree: int) -> AnyArray:
-    """Return coefficients ``(..., d + 1)``, lowest power first, with zeros up to `degree`."""
-    return np.pad(c, [(0, 0)] * (c.ndim - 1) + [(0, degree + 1 - c.shape[-1])])
-
-
 def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
     """Return breakpoints [s] and coefficients of the histories of a batch as polynomials.
 
@@ -395,10 +394,9 @@ def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:
 
 
 def magnitude(pieces: Pieces, s: AnyArray) -> FloatArray:
-    """Return the sum of the sizes of all terms of the Laplace integral, its rounding over epsilon.
+    """Return the sum of the sizes of all terms of the Laplace integral, which has no cancellation.
 
-    Epsilon is the relative spacing of floating-point numbers; the sum has no cancellation.
-
+    Times the relative spacing of floating-point numbers it is about the integral's rounding error.
     `pieces`: the histories. `s`: ``(...)`` [1/s], which broadcasts with their batch.
     """
     sizes = Pieces(pieces.knots, np.abs(pieces.coefficients), np.real(pieces.rates))
@@ -566,8 +564,9 @@ def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyAr
 def _split_endless(pieces: Pieces, pole: AnyArray) -> Pieces:
     """Return histories with their endless last piece split where a rate is close to the pole.
 
-    `pieces`: the histories. `pole`: of the lag that they drive, ``(...)`` [1/s]. In a first piece
-    of limited width the terms with such a rate can be expanded as resonant.
+    Such a rate is resonant: its term is expanded as a polynomial times e^(pole u), which is exact
+    only in a piece of limited width. `pieces`: the histories. `pole`: of the lag that they drive,
+    ``(...)`` [1/s].
     """
     last = pieces.coefficients[..., -1:, :, :]
     gap = np.abs(pieces.rates - pole[..., np.newaxis])
@@ -590,8 +589,9 @@ def _split_endless(pieces: Pieces, pole: AnyArray) -> Pieces:
 def _particular_solution(c: AnyArray, gap: AnyArray) -> AnyArray:
     """Return the polynomial a with a' + gap a = c, for each rate that differs from the pole.
 
-    `c`: coefficients, lowest power first, ``(..., rates, order)``, as the result. `gap`: rate -
-    pole ``(..., rates)`` [1/s]; where it is zero, c must be.
+    a e^(rate u) then solves y' = pole y + c e^(rate u). `c`: coefficients, lowest power first,
+    ``(..., rates, order)``, as the result. `gap`: rate - pole ``(..., rates)`` [1/s]; where it is
+    zero, c must be.
     """
     gap = np.where(gap == 0.0, 1.0, gap)[..., np.newaxis, :]
     result = np.zeros(c.shape, dtype=np.result_type(c, gap))
@@ -605,8 +605,9 @@ def _particular_solution(c: AnyArray, gap: AnyArray) -> AnyArray:
 def _resonant_solution(c: AnyArray, gap: AnyArray, degree: int) -> AnyArray:
     """Return the polynomial factor of e^(pole u) of the solution, for rates at or near the pole.
 
-    `c`: coefficients of the input, lowest power first, ``(..., rates, order)``. `gap`: rate - pole
-    ``(..., rates)`` [1/s]. `degree`: of the result, ``(..., rates, degree + 1)``.
+    Of y' = pole y + f with y = 0 at u = 0, for each rate of f. `c`: coefficients of f, lowest power
+    first, ``(..., rates, order)``. `gap`: rate - pole ``(..., rates)`` [1/s]. `degree`: of the
+    result, ``(..., rates, degree + 1)``.
 
     integral from 0 to u of c v^k e^(gap v) dv = sum over j of c gap^j/j! u^(k+j+1)/(k + j + 1).
     """

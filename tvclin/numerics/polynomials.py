@@ -114,12 +114,15 @@ def roots(polynomial: FloatArray) -> AnyArray:
     degree = polynomial.shape[-1] - 1
     if degree == 0:
         return np.zeros((*polynomial.shape[:-1], 0))
-    monic = polynomial[..., 1:] / polynomial[..., :1]
+    monic = polynomial[..., 1:] / polynomial[..., :1]  # coefficients after the leading 1
     if degree == 2:
         return _quadratic(-0.5 * monic[..., 0], monic[..., 1])
     if 2 < degree <= _MAX_DIRECT_DEGREE:
         return _low_degree_roots(monic)
-    estimates = _companion_eigenvalues(monic)
+    companion = np.zeros((*monic.shape[:-1], degree, degree))
+    companion[..., 0, :] = -monic
+    companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1.0
+    estimates = np.linalg.eigvals(companion)
     for _ in range(2):
         estimates = _newton_step(polynomial, estimates)
     return estimates
@@ -140,18 +143,6 @@ def roots_of_each(polynomial: FloatArray) -> ComplexArray:
         rows = leading_zeros == leading
         all_roots[rows, : size - 1 - leading] = roots(polynomial[rows, leading:])
     return all_roots
-
-
-def _companion_eigenvalues(monic: FloatArray) -> AnyArray:
-    """Return the roots ``(..., n)`` of monic polynomials as eigenvalues of companion matrices.
-
-    `monic`: coefficients after the leading 1, ``(..., n)``.
-    """
-    degree = monic.shape[-1]
-    companion = np.zeros((*monic.shape[:-1], degree, degree))
-    companion[..., 0, :] = -monic
-    companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1.0
-    return np.linalg.eigvals(companion)
 
 
 def _low_degree_roots(monic: FloatArray) -> AnyArray:

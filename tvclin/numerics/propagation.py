@@ -82,15 +82,15 @@ def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Moti
     widths = [np.diff(pieces.knots) for pieces in inputs]
     lengths, which = np.unique(np.concatenate(widths), return_inverse=True)
     steps, ends = _finite_exponentials(matrix, lengths), np.cumsum([0, *map(len, widths)])
-    of_each: list[Motion] = []
+    of_inputs: list[Motion] = []
     for pieces, first, last in zip(inputs, ends[:-1], ends[1:], strict=True):
         states = input_states(pieces, pieces.knots)
         starts = np.zeros((len(states), len(matrix)), dtype=np.result_type(matrix, states))
         starts[:, order:] = states
         for k, step in enumerate(which[first:last]):
             starts[k + 1, :order] = (steps[step] @ starts[k])[:order]
-        of_each.append(Motion(matrix, pieces.knots, starts))
-    return of_each
+        of_inputs.append(Motion(matrix, pieces.knots, starts))
+    return of_inputs
 
 
 def piece_matrix(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
@@ -173,8 +173,8 @@ def matrix_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
     with np.errstate(over="ignore", invalid="ignore"):
         for start in range(0, len(steps), _MATRICES_PER_BLOCK):
             block = slice(start, start + _MATRICES_PER_BLOCK)
-            each = matrix if matrix.ndim < _AXES_OF_MATRICES else matrix[block]
-            part = exponential_series(each * factors[block])
+            matrices = matrix if matrix.ndim < _AXES_OF_MATRICES else matrix[block]
+            part = exponential_series(matrices * factors[block])
             for k in range(int(squarings[block].max(initial=0))):
                 squared = squarings[block] > k
                 if np.all(squared):
@@ -257,8 +257,9 @@ def matrices_on_states(matrices: AnyArray, states: AnyArray) -> AnyArray:
 def peak_output(response: Motion, row: AnyArray, horizon: float) -> tuple[float, float]:
     """Return the value of largest size of ``row . state``, with its sign, and its time [s].
 
-    `response`: the motion whose states are meant. `row`: factors on the states of system and input,
-    ``(n,)``. `horizon`: time for which the last piece is followed [s].
+    `response`: motion of a system with its input, whose states are meant. `row`: factors on the
+    states of system and input, ``(n,)``. `horizon`: time for which the last piece, which does not
+    end, is followed [s].
     """
     widths = np.append(np.diff(response.knots), horizon)
     values, offsets = piece_peaks(response.matrix, response.starts, widths, row)
@@ -352,15 +353,13 @@ def _highest_samples(
     )
     if not guess.size:
         return values, times
-    # `which`: the sample before each summit, and its piece; the slope there has the value's sign
-    starts, sign = (
-        matrices_on_states(powers[which[0]], states[which[1]]),
-        np.sign(samples[:-1, 1][which]),
-    )
+    before, piece = which  # the sample before each summit, and its piece
+    starts = matrices_on_states(powers[before], states[piece])
+    sign = np.sign(samples[:-1, 1][which])  # of the slope there, which is that of the summit
     summits, offsets = _refined_summits(rows, matrix, starts, sign, guess, widths[which])
     rising = np.argsort(np.abs(summits), kind="stable")  # of two in a piece the higher is last
-    rising = rising[np.abs(summits[rising]) > np.abs(values[which[1][rising]])]
-    i, j = which[0][rising], which[1][rising]
+    rising = rising[np.abs(summits[rising]) > np.abs(values[piece[rising]])]
+    i, j = before[rising], piece[rising]
     values[j], times[j] = summits[rising], steps[i, j] + offsets[rising]
     return values, times
 
@@ -379,7 +378,7 @@ def _candidate_summits(
     sign = np.sign(values[:-1] + values[1:])
     first, last = sign * widths * slopes[:-1], sign * widths * slopes[1:]
     sign_changes = np.nonzero((first > 0.0) & (last < 0.0))
-    which = sign_changes[0], sign_changes[1]
+    which = sign_changes[0], sign_changes[1]  # samples before summits, and their pieces
     sign, first, last = sign[which], first[which], last[which]
     value_at_start, rise = sign * values[:-1][which], sign * np.diff(values, axis=0)[which]
     square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise

@@ -26,7 +26,10 @@ class TableLines:
 
     @cached_property
     def _lines(self) -> tuple[IndexArray, FloatArray]:
-        """Index of the row before each time, and the time since that row."""
+        """Index of the row before each time, and the time since that row, zero before the first.
+
+        It counts after the last row too, where the slope of the table is zero.
+        """
         before = np.searchsorted(self.rows, self.at, side="right") - 1
         before = np.maximum(before, 0)
         return before, np.maximum(self.at - self.rows[before], 0.0)
