@@ -90,9 +90,13 @@ class ExitProblem:
         return time, demand, status
 
     def largest_trim(self, cases: BoolArray) -> FloatArray:
-        """Return the largest trim over B alpha_w,max of the `cases` that are True; else zero."""
+        """Return the largest trim over B alpha_w,max of the cases where `cases` is True; else zero.
+
+        Both have the shape of the batch. It is infinite where trim grows without bound after the
+        wind.
+        """
         trims = np.zeros(self.shape)
-        winds, which, numbers = self._arrays
+        winds, which, numbers = self._arrays  # winds; of each case the wind's index and parameters
         selected = np.flatnonzero(cases)
         out = np.empty(selected.size)
         arrays = (winds, which[selected], numbers[selected], out)

@@ -183,7 +183,7 @@ class LoadTradeOff(TradeOff):
 
     @property
     def requires_forecast(self) -> bool:
-        """Whether a law exceeds the load that must survive a stop of the wind at any instant."""
+        """Whether a law that must survive a stop of the wind at any time exceeds the load limit."""
         return self.load is not None and self.load < self.no_forecast_load
 
     @property

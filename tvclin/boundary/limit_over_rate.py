@@ -366,7 +366,7 @@ def rate_trade_off(
         at = check("rates", errors.one_row("rates", rates, "rad/s"), "rad/s")
     case = _case_of(plant, wind, c, errors.flag("forecast", forecast))
     minimum_rate, no_forecast = case.minimum_rate, case.no_forecast
-    if rates is None:
+    if rates is None:  # multiples of the smallest rate, or of one that is of the motion's order
         at = np.asarray(_MULTIPLES) * (minimum_rate or case.pole * case.minimum or _DEFAULT_RATE)
         at = at if nozzle_rate is None else np.unique(np.append(at, nozzle_rate))
     limits = np.array([case.deflection(float(rate)) for rate in at])

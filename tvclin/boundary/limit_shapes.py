@@ -461,7 +461,7 @@ class Cluster(LimitShape):
         object.__setattr__(self, "engines", engines)
         object.__setattr__(self, "hold_roll", errors.flag("hold_roll", self.hold_roll))
         directions = np.exp(2j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
-        bias, roll = self._stuck
+        bias, roll = self._stuck  # mean deflection and roll moment of the engines that are stuck
         if min(self._rolls(1.0) + roll, self._rolls(-1.0) - roll) <= 0.0 and roll:
             raise errors.InputError("engines must balance the roll moment of the one that is stuck")
         worst = -bias / abs(bias) if bias else 1.0
@@ -513,8 +513,9 @@ class Cluster(LimitShape):
         Returns
         -------
         complex
-            sum s_j r_j/l_c [rad], as a vector, for ever. Add its gauge to a limit for the wind:
-            the sum is enough, for the gauge of a sum is at most the sum of the gauges.
+            sum s_j r_j/l_c [rad], as a vector, for ever, of engines at r_j with the shares s_j of
+            the thrust and the arm l_c. Add its gauge to a limit for the wind: the sum is enough,
+            for the gauge of a sum is at most the sum of the gauges.
         """
         arm = errors.number("control_arm", control_arm, errors.nonzero, "m")
         return complex(sum(engine.at * share for engine, share in self._shares) / arm)

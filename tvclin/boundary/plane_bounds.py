@@ -241,7 +241,9 @@ def checked_batch(
 def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], FloatArray]:
     """Return a function of vectors to a lower bound of their gauge of S - S, for the shape S.
 
-    It is exact for a symmetric `limit_shape`, S; else of the supports in some directions.
+    S - S are the differences of any two points of S, and the gauge is the factor by which it just
+    contains a vector. It is exact for a symmetric `limit_shape`, S; else by the support, h(d) +
+    h(-d), along some directions d.
     """
     if limit_shape.symmetric:
         return lambda vector: limit_shape.gauge(vector) / 2.0
@@ -459,7 +461,8 @@ class _Moments:
     def cells(self) -> Vectors:
         """Integrals of a p e^(-p t) over each cell, complex ``(k, n)``, of k poles p and axes a.
 
-        a is 1 for a pole of pitch and j for one of yaw; the cells are intervals of `edges` [s].
+        a is 1 for a pole of pitch and j for one of yaw; the cells are the n intervals of `edges`
+        [s].
         """
         decayed = np.exp(-self.poles[:, np.newaxis] * self.edges)
         return self.axes[:, np.newaxis] * (decayed[:, :-1] - decayed[:, 1:])

@@ -476,7 +476,7 @@ def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str)
     """Return the limit of one `pair` of plants and wind, at the dead band `K` and exit `switch`."""
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
     requirement = two_plane_requirement(pair, limit_shape, (K,), literal)[0]
-    pitch_only = requirement.limit
+    pitch_only = requirement.limit  # of the wind's pitch component alone
     if np.isfinite(pair.wind.yaw.onset):
         pitch_only = 0.0
         if np.isfinite(pair.wind.pitch.onset):

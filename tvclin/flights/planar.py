@@ -233,7 +233,7 @@ class PlanarMotion:
         """
         v = self.vehicle
         if self.nominal is None:  # the altitude matters only where parameters vary
-            return _Nominal(v.mass, v.velocity, v.attitude, 0.0)
+            return _Nominal(mass=v.mass, speed=v.velocity, path=v.attitude, altitude=0.0)
         return _nominal_at(self.nominal, t) if np.ndim(t) else _latest(self.nominal, float(t))
 
 

@@ -123,7 +123,7 @@ def initial_cells(window: Window) -> FloatArray:
     for pole in c.poles:
         decay = np.real(pole)
         parts.append(decay_spaced_times(decay, last, 150))
-        if np.imag(pole):
+        if np.imag(pole):  # 24 cells in half a period, within 4000
             count = min(last * np.imag(pole) / np.pi * 24.0, 4000.0)
             parts.append(np.linspace(0.0, last, int(count) + 2))
     inside = np.unique(np.minimum(np.concatenate(parts), last))
@@ -134,7 +134,9 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
     """Return times [s] at which levels change between -1 and 1, and indices of uncertain cells.
 
     `cells`: breakpoints [s], ``(k + 1,)``. `levels`: deflection over its peak, ``(k,)``. A cell at
-    neither level is uncertain: its level gives the fraction that is at each.
+    neither level is uncertain: its level gives the fraction of it that is at each. A run of such
+    cells between two signs has one switch, between equal signs two, and at an end of the window
+    none or one.
     """
     full = np.flatnonzero(np.abs(levels) > 1.0 - 1e-6)  # within the tolerance of the program
     times: list[float] = []
@@ -151,6 +153,7 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
             uncertain.extend(range(before + 1, after))
         if np.isinf(stop) or not sign_before:
             continue
+        # mean level of the uncertain cells, and the length for which they have the sign before
         widths = np.diff(cells[before + 1 : after + 1])
         mean = widths @ levels[before + 1 : after] / widths.sum() if widths.size else 0.0
         share = (stop - start) * (1.0 + sign_before * mean) / 2.0
@@ -162,7 +165,10 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
 
 
 def split_cells(cells: FloatArray, uncertain: IndexArray) -> FloatArray:
-    """Return breakpoints [s] of `cells`, with `uncertain` ones and neighbours divided into 16."""
+    """Return breakpoints [s] of `cells`, with `uncertain` ones and their neighbours in 16 parts.
+
+    `uncertain`: indices of the cells. An endless cell is not divided.
+    """
     selected = np.unique(np.concatenate([uncertain - 1, uncertain, uncertain + 1]))
     selected = selected[(selected >= 0) & (selected < cells.size - 1)]
     selected = selected[np.isfinite(cells[selected + 1])]
@@ -232,7 +238,12 @@ def _with_last_switch(window: Window) -> SignedSum | None:
 
 
 def _from_grid(window: Window) -> SignedSum:
-    """Return the sum of smallest residual, by Newton's iteration from grids in a `window`."""
+    """Return the sum of smallest residual, by Newton's iteration from grids in a `window`.
+
+    The residual is the largest relative violation of a condition. A linear program on the grid's
+    cells gives the first switches and multipliers; the cells next to a switch are divided for the
+    next grid.
+    """
     cells, best = initial_cells(window), None
     for _ in range(_GRID_REFINEMENTS):
         levels, prices = grid_optimum(window.constraints, cells)
@@ -286,7 +297,8 @@ def _newton(current: SignedSum) -> SignedSum:
 def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedSum | None:
     """Return the sum after the longest fraction of a step that reduces the residual, or None.
 
-    `current`: the sum. `step`: of its multipliers, ``(n,)``. `geometric`: in their logarithms.
+    The residual is the largest relative violation of a condition. `current`: the sum. `step`: of
+    its multipliers, ``(n,)``. `geometric`: whether the step is taken in their logarithms.
     """
     for halvings in range(_STEP_LENGTHS):
         length = 0.5**halvings

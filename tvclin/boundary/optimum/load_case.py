@@ -107,7 +107,11 @@ class LoadCase:
         return np.asarray(zeros[zeros.imag > 0.0], dtype=complex)
 
     def column(self, values: AnyArray) -> FloatArray:
-        """Return complex values of modes ``(..., k)`` as reals ``(..., m)``, two for a pair."""
+        """Return complex values of modes ``(..., k)`` as reals ``(..., m)``, two for a pair.
+
+        A conjugate pair counts as one mode; of a real mode the imaginary part, which is zero, is
+        omitted.
+        """
         components = np.stack([values.real, values.imag], axis=-1)
         return components.reshape(*values.shape[:-1], -1)[..., self._components]
 

@@ -118,7 +118,12 @@ class LoadProgram:
 
     @cached_property
     def _levels(self) -> tuple[Any, Any]:
-        """Sparse matrices from the variables to the deflection at start and at end of each cell."""
+        """Sparse matrices from the variables to the deflection at start and at end of each cell.
+
+        With a rate limit the variables are the values at the ends of the cells, zero before the
+        first; with a load of the deflection itself (M) values at both ends of each; else one
+        constant for each.
+        """
         from scipy import sparse  # late: it takes 0.1 s to import
 
         n = self.widths.size
@@ -349,9 +354,9 @@ class LoadProgram:
 
 
 def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
-    """Return the complex `prices` of the modes of a `case` at the onset, ``(k,)``.
+    """Return the complex `prices` of the k modes of a `case` at the onset, from those of real rows.
 
-    They are real numbers, two for an unstable pair; zero for stable modes.
+    An unstable pair has two real numbers; stable modes have none, and zero is returned for them.
     """
     values, row = np.zeros(case.poles.size, dtype=complex), 0
     for i in np.flatnonzero(case.unstable):

@@ -208,9 +208,11 @@ def certify(
 
 
 def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
-    """Return switch times [s] after the start, and multipliers of any scale, lambda . d > 0.
+    """Return switch times [s] after the start, and multipliers lambda of any scale, lambda . d > 0.
 
-    `window`: the poles' exponentials e_i, and their demands d_i.
+    The deflection of minimum peak has the sign of the sum lambda . e, and switches at its zeros.
+    `window`: the poles' exponentials e_i, and their demands d_i. One pole needs no switch, two real
+    ones at most one, by eqs (C5) of the report; else the dual is maximised.
     """
     c = window.constraints
     if c.demands.size == 1:
@@ -351,7 +353,11 @@ def peaks_for_demands(
 
 
 def _onset_moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray:
-    """Return Laplace transforms of winds, for a batch `shape`, from onset at `poles` ``(n, m)``."""
+    """Return the integrals of e^(-p u) times winds, u being the time since their onset, ``(n, m)``.
+
+    `poles`: p [1/s], ``(n, m)``; NaN where there is none. `shape`: shape of the batch of n cases,
+    to which the winds broadcast.
+    """
     winds, which = kernel_arrays(wind.pieces, shape)  # knots, coefficients, rates; wind of a case
     filled = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
     transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))

@@ -93,7 +93,7 @@ class Constraints:
         return self.real_rows(np.exp(-column * knots[:-1]) * fraction / column)
 
     def real_rows(self, values: AnyArray) -> FloatArray:
-        """Return complex `values` at poles ``(m, ...)`` as rows ``(n, ...)``, two for a pair.
+        """Return complex `values` at m poles ``(m, ...)`` as rows ``(n, ...)``, two for a pair.
 
         The two are the real part, with the cosine, and minus the imaginary part, with the sine.
         """
@@ -233,11 +233,15 @@ class Window:
         return -np.expm1(-decays * self.end) / decays
 
     def zeros(self, multipliers: FloatArray) -> FloatArray:
-        """Return the times [s] at which the sum with `multipliers` ``(n,)`` changes its sign."""
+        """Return the times [s] at which the sum lambda . e changes its sign, rising, ``(k,)``.
+
+        Of a grid the neighbours of different sign, and dips between neighbours of the same sign,
+        are refined. `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.
+        """
         c = self.constraints
         values, slopes = multipliers @ self.values, multipliers @ self.slopes
         # a dip between neighbours: values of one sign whose slopes point towards zero, then away
-        sides, rises = np.sign(values), np.sign(slopes)
+        sides, rises = np.sign(values), np.sign(slopes)  # of the sum and of its slope
         dips = (sides[:-1] == sides[1:]) & (sides[:-1] == -rises[:-1]) & (sides[1:] == rises[1:])
         times = self.grid
         if np.any(dips):  # perhaps two zeros between neighbours: look at the bottom of the dip
@@ -302,7 +306,11 @@ class Window:
         return right_vectors[-1] * scale
 
     def tail(self, multipliers: FloatArray) -> float:
-        """Return a bound of the norm of the sum with `multipliers` ``(n,)`` after the window."""
+        """Return a bound of the L1 norm, after the window's end, of the sum with `multipliers`.
+
+        Zero without such an end, and where the deflection ends there (the horizon). `multipliers`:
+        ``(n,)``.
+        """
         c = self.constraints
         if np.isinf(self.end) or np.isfinite(c.horizon):
             return 0.0

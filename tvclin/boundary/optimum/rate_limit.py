@@ -112,9 +112,10 @@ class RateProgram:
         return np.append(0.0, result.x[: self.nodes.size - 1]), prices
 
     def minimum_motion(self, peak: float) -> FloatArray | None:
-        """Return the deflection over `unit` of minimum motion within a peak, at the nodes ``(k,)``.
+        """Return the deflection over `unit` of least total change within a peak, at the k nodes.
 
-        None if infeasible. Each further program corrects the solution, for 1e8 times its residual.
+        None if infeasible. A linear program satisfies the conditions to its tolerance, 1e-7: each
+        further one corrects the solution, for 1e8 times its residual. `peak`: bound over `unit`.
         """
         result = self._solve(_MOTION, peak) or self._solve(_PEAK)
         if result is None:
@@ -352,9 +353,10 @@ def _refined(
 
 
 def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> FloatArray:
-    """Return nodes [s], even in e^(-p u/4) for every pole, with the switches without rate limit.
+    """Return nodes [s], even in e^(-p u/4) for every pole p, and the switches without a rate limit.
 
-    `constraints`: conditions with the poles. `switches`: times [s]. `steps`: about their number.
+    `constraints`: conditions with the poles. `switches`: times [s] at which the deflection without
+    a rate limit switches. `steps`: about the number of nodes.
     """
     last = min(constraints.horizon, _SPAN_OVER_TIME_CONSTANT / constraints.decays.min())
     share = max(steps // constraints.poles.size, 8)
@@ -363,7 +365,7 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
         parts.append(decay_spaced_times(np.real(pole), last, share))
         if np.imag(pole):
             parts.append(np.linspace(0.0, last, share))
-    gap = 1e-9 / np.abs(constraints.poles).max()
+    gap = 1e-9 / np.abs(constraints.poles).max()  # [s]: nodes nearer than that are one
     return separate_nodes(np.minimum(np.concatenate(parts), last), gap)
 
 
@@ -391,5 +393,5 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
         new.append(last - np.abs(level_limit - values[loose + 1]) / slope)
     inside = [np.where((time > first) & (time < last), time, first) for time in new]
     fastest = np.abs(program.constraints.poles).max()
-    gap = min(1e-6 / fastest, 1e-3 * peak / slope)
+    gap = min(1e-6 / fastest, 1e-3 * peak / slope)  # [s]: nodes nearer than that are one
     return separate_nodes(np.concatenate([nodes, *inside]), gap)

@@ -48,7 +48,11 @@ SUBSTEPS = 8.0
 
 
 def quickness(actuator: Actuator | None) -> FloatArray:
-    """Return the bandwidth [1/s] of a first-order actuator; inf without any, 0 for second order."""
+    """Return the bandwidth [1/s] of a first-order actuator; inf without any, 0 for second order.
+
+    Its first motion in a substep is bandwidth times substep of the way to its command: that bounds
+    its rate, which for second order the state has.
+    """
     if actuator is None:
         return np.asarray(np.inf)
     bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
@@ -137,8 +141,9 @@ def sensed_rows(plant: LinearSystem) -> FloatArray:
     """
     columns = {name: k for k, name in enumerate(plant.outputs)}
     names = ["attitude", "attitude_rate", "flight_path_angle", "angle_of_attack"]
-    if columns.keys() & set(LAW_INPUTS[5:]):
-        names += LAW_INPUTS[5:]
+    lateral = LAW_INPUTS[5:]  # drift rate, drift and acceleration
+    if columns.keys() & set(lateral):
+        names += lateral
     n, rows = len(plant.states), np.zeros((len(plant.C), len(names), len(plant.states) + 1))
     for row, name in enumerate(names):
         k = columns.get(f"sensed_{name}", columns.get(name))

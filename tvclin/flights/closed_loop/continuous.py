@@ -116,7 +116,10 @@ class Loop:
 
     @cached_property
     def fastest(self) -> float:
-        """Largest magnitude of a pole of nozzle and law [1/s]; zero without poles."""
+        """Largest magnitude of a pole of actuator and law [1/s], which bounds the solver's steps.
+
+        Zero without poles.
+        """
         servo = np.zeros(0) if self.actuator is None else np.roots(self.actuator.denominator)
         poles = np.concatenate([servo, np.linalg.eigvals(self.memory[0])])
         return float(np.abs(poles).max(initial=0.0))

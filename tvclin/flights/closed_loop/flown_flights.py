@@ -61,6 +61,7 @@ class FlownFlight:
 
         Plants are at the dynamic pressure encountered in the wind.
         """
+        # this flight alone, whose index is 0 at all times
         together, which = FlownFlights([self]), np.zeros(times.size, np.int64)
         pressure = together.pressure_at(times, which)
         return together.plants_at(times, which, pressure), together.laws_at(times, which)
@@ -258,8 +259,8 @@ def flown_in_winds(
 
     `stages`: matrices of the loops at their samples, and winds. `which`: index of the wind of each
     flight, ``(m,)``. `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``.
-    `track`: whether the samples of a single flight are recorded. "rings" needs the loops at their
-    ends (`unstable_loops`).
+    `track`: whether the samples of a single flight are recorded. A flight that survives "rings" if
+    the loop at its end is unstable (`unstable_loops`).
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)

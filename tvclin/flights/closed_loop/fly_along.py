@@ -262,8 +262,9 @@ def sampled_outputs(
         flown: list[FlightAlong | None] = []
         further: list[FlownFlight] = []
         for k, along in enumerate(flights[part]):
-            case = np.array([k]), np.array([limit]), np.array([rate_limit])
-            made, f = flown_in_winds(stages, *case, track=True)  # outcomes, recorded arrays
+            made, f = flown_in_winds(  # outcomes, recorded arrays
+                stages, np.array([k]), np.array([limit]), np.array([rate_limit]), track=True
+            )
             status = str(made.status[0])
             if status == UNDECIDED and along.further is not None:
                 further.append(along.further)

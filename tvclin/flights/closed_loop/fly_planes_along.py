@@ -180,9 +180,10 @@ def _flight_in_planes(
 
 
 def _normals(shape: CircularShape | PolygonShape) -> FloatArray:
-    """Return the normals of a limit shape for the kernel, ``(k, 2)``; see `fly_in_planes`.
+    """Return the normals of a limit shape over their distance from zero, ``(k, 2)``.
 
-    A rectangle along the planes has a normal of zero, since each plane has its own limit.
+    The kernel's gauge of a deflection is the largest scalar product with them. There are none for a
+    circle; a rectangle along the planes has a normal of zero, since each plane has its own limit.
     """
     if isinstance(shape, CircularShape):
         return np.zeros((0, 2))

@@ -130,15 +130,16 @@ class Stepper:
 
 
 def _minimum_samples(f: Flights) -> IntArray:
-    """Return the smallest number of samples of each of the flights `f`, ``(m,)``.
+    """Return the smallest number of samples that each of the flights `f` can have, ``(m,)``.
 
-    It belongs to a fixed end, or to the wind and the time that a flight must be settled after it.
+    Up to a fixed end, or to the end of the wind and the time that a flight must be settled after
+    it.
     """
     return np.where(f.cases.finish < NEVER, f.cases.finish, f.cases.ends + f.cases.settling)
 
 
 def _demand(law: Any, f: Flights, flights: IntArray) -> FloatArray:
-    """Return the demands [rad] of a law in k of the flights `f`, ``(k,)``.
+    """Return the demands [rad] of a law written in Python, in k of the flights `f`, ``(k,)``.
 
     The law gets their measurements at the present sample, its states and the deflection limits
     [rad]. `flights`: indices of the k flights. A single flight is evaluated with plain floats, in

@@ -160,10 +160,11 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """Return the derivatives of k demands by measurements and law states, ``(k, 8 + s)``.
 
-    They are finite differences of a size far below every limit and dead band: over the recoverable
-    set, which is the limit over the scale B of the unstable coordinates. A law that `leans` depends
-    on the limit, and has a row for each flight; another has one. s is the number of its states.
-    `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights.
+    They are finite differences at equilibrium, of a size far below every limit and dead band: 1e-7
+    of the recoverable set, which is the limit over the scale B of the unstable coordinates. A law
+    that `leans` depends on the limit, and has a row for each flight; another has one. s is the
+    number of its states. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k
+    flights.
     """
     reach = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
     small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]

@@ -265,7 +265,10 @@ class Stages:
 
     @property
     def _by_pressure(self) -> bool:
-        """Whether winds have so many breakpoints that few samples are smooth in time alone."""
+        """Whether winds have so many breakpoints that few samples are smooth in time alone.
+
+        Then the matrices are interpolated in time and in the dynamic pressure that the wind makes.
+        """
         added = sum(map(np.size, self.breaks)) - sum(map(np.size, self.vehicle_breaks))
         return added > self.times.size / _SAMPLES_PER_BREAK
 
@@ -351,7 +354,7 @@ class Stages:
         return self._assembled(places, which, (pressure + sides * change).ravel(), middle=True)
 
     def _places(self, times: FloatArray) -> FloatArray:
-        """Return the times [s] at which the vehicle counts for samples, ``(places, m)``.
+        """Return the times [s] within m samples at which the vehicle is evaluated, ``(places, m)``.
 
         They are the first Gauss point of each part of a sample, the second ones, its start, and its
         middle. `times`: starts of the samples [s], ``(m,)``.
@@ -365,8 +368,9 @@ class Stages:
     def _interval(self, breaks: Sequence[FloatArray], *, crossing: bool = False) -> IntArray:
         """Return the number of the smooth interval of the samples of all flights, ``(n,)``.
 
-        `breaks`: times [s] between which each flight is smooth. `crossing`: whether a sample with a
-        breakpoint inside has the number of its start, and not -1.
+        Intervals are counted over all flights. `breaks`: times [s] between which each flight is
+        smooth. `crossing`: whether a sample with a breakpoint inside has the number of its start,
+        and not -1.
         """
         numbers, before = np.empty(self.times.size, np.int64), 0
         # a rounding before the end, so that a breakpoint there is not inside the sample
@@ -416,7 +420,7 @@ class Stages:
         blocks = [*plant_blocks(plants, actuator, self.sensors), polynomial_input("wind", terms)]
 
         def at_place(first: int) -> LinearSystem:
-            """Return the plants at the m times of the place with index `first`."""
+            """Return the plants at the m times of the place in the samples with index `first`."""
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
         def at_nodes(made: LinearSystem) -> LinearSystem:
@@ -523,8 +527,10 @@ class Stages:
     def _cases(self, batch: Batch) -> Cases:
         """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
 
-        `batch`: result of `Stages.batch`. Vehicle, law and memory are indices of the first sample
-        of a flight, from which `stages` follow each other.
+        `batch`: result of `Stages.batch`. There is a vehicle, a law and perhaps a memory for each
+        sample: a flight has the indices of its first one, and `stages` is the number of those that
+        follow. It ends at its last sample, without waiting for an outcome, and has no noise
+        (`sequence`).
         """
         count, (vehicle, wind) = batch.shape[0], batch.indices
         flight, (ends, settling) = self.flight_of_wind[wind], self._judged

@@ -412,7 +412,7 @@ class Airframe:
         return iter(self._nominal)
 
     def _restart(self) -> tuple[float, float]:
-        """Reset JSBSim to the start, and return attitude and flight path angle [rad] there."""
+        """Reset JSBSim to the start; return attitude and flight path angle [rad] in the plane."""
         self.engine.reset()
         return self._readers[self._plane].angles()
 
@@ -487,7 +487,7 @@ def _straight_row(attitude: float, path: float) -> Row:
 
 
 def _plain_rows(rows: FloatArray) -> Iterator[Row]:
-    """Return an iterator over the rows as tuples of floats, for the innermost loop."""
+    """Return an iterator over the rows as tuples of floats, which are read faster."""
     return map(tuple, rows.tolist())
 
 
