@@ -121,7 +121,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     # of a rigid plant: without the columns of the deflection and its rate
     rows = coordinate_rows(plant, poles, np.asarray(plant.coefficients.B))[:, : len(A)]
     from_wind = inputs[:, 1]
-    return UnstableCoordinates(poles, rows, -(rows @ from_wind) / poles)
+    return UnstableCoordinates(poles, left_eigenvectors=rows, wind=-(rows @ from_wind) / poles)
 
 
 def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
@@ -293,9 +293,9 @@ def forecast_free_limit(
     if kind == EXACT and R > 0.0 and np.any(turn_cosine > -R / 2.0 / np.maximum(limit, R)):
         kind = BEFORE_THE_END
     return ForecastFreeLimit(
-        errors.plain(limit),
-        errors.plain(-limit * np.asarray(plant.coefficients.B) * peak),
-        kind,
-        errors.plain(strength * wind_known),
-        errors.plain(np.asarray(when)),
+        limit=errors.plain(limit),
+        deflection=errors.plain(-limit * np.asarray(plant.coefficients.B) * peak),
+        kind=kind,
+        wind_known=errors.plain(strength * wind_known),
+        worst_stop_time=errors.plain(np.asarray(when)),
     )

@@ -135,10 +135,11 @@ class ExitProblem:
 
     @property
     def _filtering(self) -> int:
-        """Time of the kernel where trim is filtered wind, relative to trim that is the wind.
+        """Factor on the kernel's time for trim that is filtered wind; one where trim is the wind.
 
-        One where trim is -B times the wind, its filter having coefficients of zero (columns 2 on of
-        the parameters); else more for complex coefficients of the wind than for real ones.
+        Trim is then -B times the wind, and its filter has coefficients of zero (columns 2 on of the
+        parameters). Else the factor is larger for complex coefficients of the wind than for real
+        ones.
         """
         (_, coefficients, _), _, numbers = self._arrays
         return switches.FILTERED[coefficients.dtype.kind] if np.any(numbers[:, 2:]) else 1
@@ -262,7 +263,8 @@ def boundary_limit(
     # deflection [rad] per limit y: -B alpha_w,max
     scale = np.where(unstable, -np.asarray(plant.coefficients.B), 1.0) * wind.peak
     shape = broadcast(dead_band=K.shape, plant=pole.shape, wind=wind.batch)
-    problem = ExitProblem(plant, wind, np.where(unstable, pole, 1.0), K, shape)
+    growth_rate = np.where(unstable, pole, 1.0)
+    problem = ExitProblem(plant, wind, pole=growth_rate, dead_band=K, shape=shape)
     unstable, paired, K = (np.broadcast_to(a, shape) for a in (unstable, paired, K))
     at_onset = unstable & (K == 0.0)
     time, demand, exit_status = problem.solve(switch == "literal")
@@ -277,10 +279,10 @@ def boundary_limit(
     word = np.select(statuses, range(1, 1 + len(statuses)), 0)
     status = np.array([OK, STABLE, PAIRED_POLES, NO_EXIT, JUMP][: word.max(initial=0) + 1])[word]
     return BoundaryLimit(
-        plain(limit),
-        plain(np.asarray(limit * scale)),
-        plain(np.where(unstable & ~never & ~paired, time, np.nan)),
-        status if status.ndim else str(status),
+        limit=plain(limit),
+        deflection=plain(np.asarray(limit * scale)),
+        switch_time=plain(np.where(unstable & ~never & ~paired, time, np.nan)),
+        status=status if status.ndim else str(status),
     )
 
 

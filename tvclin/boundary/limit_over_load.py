@@ -388,9 +388,10 @@ class LoadLimits:
     def _refine(self, load: float, program: LoadProgram) -> bool:
         """Add controls of about a `load` [rad], from a `program` on; return whether they exist.
 
-        Each program is solved on the finer nodes of the one before. Between its nodes a control
-        exceeds the load bound, so that the bound of the next program is lower by a fraction of
-        that.
+        Each solved program adds a point (load, peak) that its control attains, and a line below all
+        peaks, and the next one is solved on its finer nodes, until the gap at `load` is small.
+        Between its nodes a control exceeds the load bound, so that the next bound is lower by a
+        fraction of that.
         """
         bound = load
         for fraction in _EXCESS_FRACTIONS:
@@ -486,14 +487,17 @@ class LoadLimits:
 
 
 def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLimits:
-    """Return the case of `load_trade_off` for a plant in a wind, with its first bounds.
+    """Return the points and bounds of `load_trade_off` before any program is solved.
 
-    `ratio`: M, load per deflection. `rate`: rate limit [rad/s]; infinite if none.
+    They are the minimum deflection at any load and, without a rate limit, the point of its control;
+    the programs are on `_nodes`. `plant`, `wind`: one each. `ratio`: M, load per deflection.
+    `rate`: rate limit [rad/s]; infinite if none. `InputError` for a rate limit with which no
+    deflection survives.
     """
     # what is no single wind with an onset is refused by `optimum_deflection`
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     optimum = optimum_deflection(plant, wind, start if np.isfinite(start) else 0.0)
-    case = LoadCase(plant, wind, optimum.deflection, ratio, rate)
+    case = LoadCase(plant, wind, reference=optimum.deflection, ratio=ratio, rate=rate)
     no_forecast = no_forecast_deflection(plant, wind)
     minimum_deflection = optimum.certificate.dual
     if np.isfinite(rate):
@@ -509,7 +513,12 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
         if no_forecast:
             pole = float(np.real(unstable_poles(plant)[0]))
             no_forecast = float(ramped_deflection(no_forecast, pole, rate))
-    limits = LoadLimits(case, minimum_deflection, LoadProgram(case, _nodes(case)), no_forecast)
+    limits = LoadLimits(
+        case=case,
+        minimum_deflection=minimum_deflection,
+        program=LoadProgram(case, _nodes(case)),
+        no_forecast=no_forecast,
+    )
     if np.isinf(rate):
         limits.points.append((limits.load_of_minimum, optimum.peak))
     return limits

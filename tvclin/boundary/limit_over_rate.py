@@ -527,7 +527,7 @@ class _Case:
             return False
         p, q = poles
         v = min(rate, float(np.sqrt(c * d)))
-        worth = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)
+        worth = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)  # (v/q) f(q v/c)
         demand = q * demands[1] * np.sign(demands[0])
         later = (-np.expm1(-q * d / v) - demand / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
         # t is after the first motion, and so late that e^(-p t) does not count for the fast pole

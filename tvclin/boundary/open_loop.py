@@ -260,7 +260,7 @@ def _limit_after_trim(
         return np.zeros(shape)
     pole, paired = leading_pole(plant)
     K = np.broadcast_to(np.where(paired, 1.0, dead_band), shape)
-    problem = ExitProblem(plant, wind, pole, K, shape)
+    problem = ExitProblem(plant, wind, pole=pole, dead_band=K, shape=shape)
     full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
         lower = np.broadcast_to(smallest / full, shape)

@@ -419,7 +419,12 @@ def _optimum(
     trim_of_peak = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     status = OK if proof.gap < _MAX_GAP else NOT_CONVERGED
     return PlaneOptimum(
-        proof.primal / trim_of_peak, proof.primal, times, deflections, proof, status
+        limit=proof.primal / trim_of_peak,
+        peak=proof.primal,
+        times=times,
+        deflections=deflections,
+        certificate=proof,
+        status=status,
     )
 
 
@@ -448,7 +453,11 @@ class _Moments:
 
     @cached_property
     def edges(self) -> FloatArray:
-        """Times [s] after the onset at which cells begin, ``(n + 1,)``; the last is infinite."""
+        """Times [s] after the onset at which cells begin, ``(n + 1,)``; the last is infinite.
+
+        They are even in e^(-p t) for each pole p; cells so narrow that their integrals are rounding
+        are joined.
+        """
         even = np.arange(_CELLS) / _CELLS
         times = [-np.log1p(-even) / p for p in np.unique(self.poles)]
         edges = np.unique(np.concatenate(times))

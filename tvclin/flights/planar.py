@@ -398,7 +398,8 @@ def planar_case(
         # 1 ms more: the last time is within the nominal flight in spite of rounding
         first, last = min(span[0], vehicle_time), max(span[1], vehicle_time) + 1e-3
         nominal = nominal_flight(vehicle, condition, start=first, stop=last)
-    return PlanarCase(PlanarMotion(vehicle, plane, flag("drift", drift), nominal), wind, span)
+    motion = PlanarMotion(vehicle, plane=plane, drift=flag("drift", drift), nominal=nominal)
+    return PlanarCase(motion, wind, span)
 
 
 @dataclass(frozen=True)

@@ -182,7 +182,7 @@ def _parts_on_axis(polynomial: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def _padded(polynomial: FloatArray, size: int) -> FloatArray:
-    """Return the coefficients with leading zeros, ``(..., size)``."""
+    """Return coefficients, highest power first, with leading zeros up to `size`, ``(..., size)``."""
     padded = np.zeros((*polynomial.shape[:-1], size), polynomial.dtype)
     padded[..., size - polynomial.shape[-1] :] = polynomial
     return padded

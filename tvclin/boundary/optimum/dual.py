@@ -234,7 +234,9 @@ def _with_last_switch(window: Window) -> SignedSum | None:
     zeros, signs = np.append(faster.zeros, time), np.append(faster.signs, -last_sign)
     moments = c.moments(np.concatenate([[0.0], zeros, [end]])) @ signs
     multipliers = np.insert(faster.multipliers, row, 0.0)
-    return SignedSum(window, multipliers, zeros, signs, faster.norm, moments)
+    return SignedSum(
+        window, multipliers, zeros=zeros, signs=signs, norm=faster.norm, moments=moments
+    )
 
 
 def _from_grid(window: Window) -> SignedSum:

@@ -247,19 +247,20 @@ class LoadWeights:
 
     @cached_property
     def _before(self) -> ComplexArray:
-        """Sums of weights before each node, decayed with the unstable modes, ``(n + 1, k)``.
+        """Weights of the load before each node, decayed with the unstable modes, ``(n + 1, k)``.
 
-        A deflection counts in the load before it by unstable modes, which are summed backward in
-        time, and in the load after it by stable modes.
+        A deflection counts in the load before it by unstable modes, whose states are summed
+        backward in time from the end, and in the load after it by stable modes.
         """
         start, end = self.density_ends
         return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property
     def _after(self) -> ComplexArray:
-        """Sums of weights from each node on, decayed with the stable modes, ``(n + 1, k)``.
+        """Weights of the load from each node on, decayed with the stable modes, ``(n + 1, k)``.
 
-        By `_discounted` from the last node on, in reversed order of nodes and cells.
+        With the recursion of `_discounted`, which goes forward: here from the last node to the
+        first, with nodes and cells in reversed order.
         """
         (start, end), nodes = self.density_ends[:, ::-1], self.node_weights[::-1]
         first = self.case.shares * nodes[0]

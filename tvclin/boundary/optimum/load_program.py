@@ -317,7 +317,13 @@ class LoadProgram:
             first, last = density_ends[:, :, np.newaxis]
             here = first * (1.0 - _INSIDE) + last * _INSIDE
             weighted_load = float(self.widths @ (self.reference_load * here @ _SIMPSON))
-        weighed = LoadWeights(case, self.widths, node_weights, density_ends, _complex(case, prices))
+        weighed = LoadWeights(
+            case=case,
+            widths=self.widths,
+            node_weights=node_weights,
+            density_ends=density_ends,
+            prices=_complex(case, prices),
+        )
         used, norm = weighed.proof(self.reference, rate_prices)
         if norm == 0.0:
             return 0.0, 0.0

@@ -161,7 +161,14 @@ def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
         zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
         proof = Certificate(primal=0.0, dual=0.0, gap=0.0, residual=0.0, tail=0.0)
         status = NOT_EXCITED if conditions else STABLE
-        return Optimum(0.0, zero, np.zeros(0), np.zeros(conditions), proof, status)
+        return Optimum(
+            peak=0.0,
+            deflection=zero,
+            switch_times=np.zeros(0),
+            multipliers=np.zeros(conditions),
+            certificate=proof,
+            status=status,
+        )
     window = Window(constraints)
     switches, multipliers = _solve(window)
     switches, limit = _polished(window, switches)

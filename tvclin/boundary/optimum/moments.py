@@ -262,7 +262,9 @@ class Window:
         areas = multipliers @ moments  # integrals of the sum between its zeros
         signs = np.where(areas < 0.0, -1.0, 1.0)
         norm = float(np.abs(areas).sum())
-        return SignedSum(self, multipliers, zeros, signs, norm, moments @ signs)
+        return SignedSum(
+            self, multipliers, zeros=zeros, signs=signs, norm=norm, moments=moments @ signs
+        )
 
     def piece_moments(self, switches: FloatArray) -> FloatArray:
         """Return moments ``(n, k + 1)`` of +1, -1, +1 ... between `switches` [s], ``(k,)``.
@@ -283,7 +285,12 @@ class Window:
         return float((np.abs(pieces.sum(axis=1) - demands) / sizes).max())
 
     def is_underflowing(self, multipliers: FloatArray) -> bool:
-        """Return whether one of `multipliers` ``(n,)`` is e^-460 of the largest, or smaller."""
+        """Return whether a term of the sum with `multipliers` is below 1e-200 of the largest.
+
+        Such a multiplier cannot be distinguished from zero. The size of a term is that of its
+        multiplier times the bound of the L1 norm of its exponential, `sizes`. `multipliers`:
+        ``(n,)``.
+        """
         sizes = np.abs(multipliers) * self.sizes
         return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())
 
@@ -300,7 +307,7 @@ class Window:
         with np.errstate(divide="ignore", over="ignore"):
             scale = 1.0 / np.abs(values).max(axis=1)
         scale = np.where(np.isfinite(scale), scale, 1.0)
-        weight = np.abs(values / self.sizes[:, np.newaxis]).max(axis=0)
+        weight = np.abs(values / self.sizes[:, np.newaxis]).max(axis=0)  # of each time
         rows = np.nan_to_num((values * scale[:, np.newaxis] * weight).T, posinf=0.0, neginf=0.0)
         *_, right_vectors = np.linalg.svd(rows)
         return right_vectors[-1] * scale
@@ -345,7 +352,10 @@ class SignedSum:
 
 
 def decay_spaced_times(decay: float, last: float, count: int) -> FloatArray:
-    """Return `count` times [s] from 0 to `last`, even in e^(-decay u/4); `decay` in 1/s."""
+    """Return `count` times [s] from 0 to `last`, even in e^(-decay u/4); `decay` in 1/s.
+
+    They end at 100/decay, if that is earlier, beyond which the exponential is rounding.
+    """
     reach = -np.expm1(-decay * min(last, 100.0 / decay) / 4.0)
     return -4.0 / decay * np.log1p(-np.linspace(0.0, reach, count))
 

@@ -103,7 +103,9 @@ class RateProgram:
     def minimum_peak(self) -> tuple[FloatArray, FloatArray] | None:
         """Return the deflection of minimum peak over `unit` at the nodes, ``(k,)``, and prices.
 
-        Prices are the multipliers of the conditions, ``(n,)``. None if infeasible.
+        It is zero at the first node, and its values at the others are the first variables of the
+        program. Prices are the multipliers of the conditions, ``(n,)``, the program's last rows,
+        which are divided by `sizes`. None if infeasible.
         """
         result = self._solve(_PEAK)
         if result is None:
@@ -134,7 +136,10 @@ class RateProgram:
 
     @cached_property
     def _rows(self) -> Callable[[bool], tuple[Any, Any]]:
-        """Function from True (the program of the minimum rate) or False to its constraint rows."""
+        """Function that returns the rows of constraints, of the minimum rate (True) or else; kept.
+
+        The programs of minimum peak and of minimum motion have the same rows.
+        """
         return cache(self._rows_of)
 
     def _rows_of(self, of_rate: bool) -> tuple[Any, Any]:
@@ -337,7 +342,7 @@ def _refined(
     """
     nodes = _first_nodes(constraints, unlimited.switch_times - start, steps)
     change, lowest = np.inf, np.inf
-    best = program = RateProgram(constraints, nodes, rate, unlimited.peak)
+    best = program = RateProgram(constraints, nodes, rate=rate, unit=unlimited.peak)
     for _ in range(_REFINEMENTS):
         solution = program.minimum_peak()
         if solution is None:

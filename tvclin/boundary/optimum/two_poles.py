@@ -77,7 +77,7 @@ def switch_variable(y: float, ratio: float) -> float:
     `y`: beta1 D1/(beta2 D2), of any sign and size, of slow pole beta1, fast pole beta2 [1/s] and
     demands D1 and D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, between 0 and 1.
 
-    2 x^r - 2 x y = 1 - y. At y = 1 it is x = 0: the switch comes never.
+    2 x^r - 2 x y = 1 - y. At y = 1 it is x = 0: there is no switch.
 
     Examples
     --------

@@ -382,7 +382,9 @@ class Timing(NamedTuple):
         lengths = np.stack([length, *parts], axis=-1)
         substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
         pace = np.minimum(spread_to(quickness(hardware.actuator), shape), _IDEAL_BANDWIDTH)
-        return cls(lengths, substeps, pace[:, np.newaxis], late.astype(np.int64))
+        return cls(
+            lengths=lengths, substeps=substeps, pace=pace[:, np.newaxis], late=late.astype(np.int64)
+        )
 
     @property
     def short(self) -> FloatArray:

@@ -135,7 +135,14 @@ class Loop:
         alpha = self.equations.angle_of_attack(t, states[: self.order], self.gust(t))
         deflection = np.nan if self.actuator is None else self.nozzle(states, regime)
         lateral = self.equations.lateral(t, states[: self.order])
-        return Measurement(states[0], states[1], path, alpha, deflection, **lateral)
+        return Measurement(
+            attitude=states[0],
+            attitude_rate=states[1],
+            flight_path_angle=path,
+            angle_of_attack=alpha,
+            deflection=deflection,
+            **lateral,
+        )
 
     def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
         """Return the deflection [rad] of the actuator, from all states of the loop, ``(n, ...)``.

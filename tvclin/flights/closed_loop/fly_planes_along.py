@@ -217,4 +217,4 @@ def _vector_flight(
     if status == SURVIVED and outputs["deflection"].max() > limit * (1.0 + _ROUNDING):
         status = OUTSIDE
     planes = {plane: replace(along, status=status) for plane, along in by_plane.items()}
-    return FlightAlong(pitch.times, outputs, status, planes)
+    return FlightAlong(times=pitch.times, outputs=outputs, status=status, planes=planes)

@@ -87,7 +87,7 @@ def equilibrium_step(batch: Batch) -> FloatArray:
     It acts on the states of vehicle, nozzle and law, and the pending commands, latest first.
     `batch`: batch of one flight.
     """
-    return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]
+    return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]  # of flight number 0
 
 
 def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:

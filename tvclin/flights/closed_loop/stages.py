@@ -166,7 +166,7 @@ class Stages:
         return Batch(
             self.plants,
             replace(self.hardware, rate_limit=rate_limit),
-            self.winds[0],
+            self.winds[0],  # `flights` takes all winds
             laws,
             limit=limit,
             shape=limit.shape,
@@ -317,10 +317,10 @@ class Stages:
     def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
         """Return the interpolant of the matrices in the interval of time that contains a sample.
 
-        Interpolants are kept, and used again by flights that are `alike`. `sample`: index of the
-        sample. `pressure`: values of q/q_n that its range of pressures includes, in multiples of
-        `_PRESSURE_RANGE`. None where it does not converge, and for a range in which a vehicle is
-        impossible.
+        Its range of dynamic pressure is that of the values `pressure`, q/q_n, widened to multiples
+        of `_PRESSURE_RANGE`. Interpolants are kept, and used again by flights with the same plants
+        (`alike`). `sample`: index of the sample. None where it does not converge, and for a range
+        in which a vehicle is impossible.
         """
         flight = int(self.flight[sample])
         breaks = self.vehicle_breaks[flight]
@@ -424,9 +424,10 @@ class Stages:
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
         def at_nodes(made: LinearSystem) -> LinearSystem:
-            """Return the equivalent constant systems of the parts of samples, ``(parts, m)``.
+            """Return the constant systems equal to varying ones over parts of samples.
 
-            `made`: systems at all places, of which those at both Gauss points are used.
+            Shape ``(parts, m)``. `made`: systems at all places, of which those at both Gauss points
+            of each part are used.
             """
             count = lengths.size
             first, second = (

@@ -388,10 +388,10 @@ class Airframe:
     def _nominal_rows(self, count: int, trajectory: FloatArray | None) -> Iterator[Row]:
         """Return an iterator over the outputs of the nominal flight, step by step.
 
-        It is straight without a hold (`_gains`), and else flown once with that attitude hold, about
-        the trajectory, and kept. `count`: number of the steps. `trajectory`: `OUTPUTS` of the
-        nominal flight in pitch, ``(count, 5)``; without it the nominal flight is straight.
-        `InputError` where it ends before.
+        Without an attitude hold (`_gains`) it is straight. Else it is flown with that hold, about
+        the trajectory, and its rows are kept for further flights. `count`: number of the steps.
+        `trajectory`: `OUTPUTS` of the nominal flight in pitch, ``(count, 5)``; without it the
+        nominal flight is straight. `InputError` where it ends before.
         """
         start = _straight_row(*self._restart())
         if self._gains is None:

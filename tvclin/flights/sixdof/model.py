@@ -68,7 +68,7 @@ def nominal_trajectory(
         mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),  # in 1 s
     )
     rows = np.stack([states[1], turns, states[1], zeros, nominal.deflection(times)], axis=-1)
-    return NominalTrajectory(nominal.vehicle_at(start), departure, states[0], rows)
+    return NominalTrajectory(nominal.vehicle_at(start), departure, speeds=states[0], rows=rows)
 
 
 @dataclass(frozen=True)
