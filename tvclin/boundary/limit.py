@@ -252,7 +252,13 @@ def boundary_limit(
     one_of("switch", switch, SWITCHES)
     instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
-    _check_wind(wind)
+    if not np.all(wind.constant_sign):
+        low, high = wind.extent
+        raise InputError(
+            "wind must not change its sign for a boundary limit; got values from"
+            f" {low.min():.6g} to {high.max():.6g} rad"
+        )
+    check_end(wind)
     pole, paired = leading_pole(plant)
     unstable = ~np.isnan(pole)
     if np.any(unstable & (np.asarray(plant.coefficients.B) == 0.0)):
@@ -329,14 +335,3 @@ def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
     )
     leading = np.maximum(real, pair)
     return np.where(leading > 0.0, leading, np.nan), paired
-
-
-def _check_wind(wind: History) -> None:
-    """Raise `InputError` for a wind that changes its sign, is zero or never ends."""
-    if not np.all(wind.constant_sign):
-        low, high = wind.extent
-        raise InputError(
-            "wind must not change its sign for a boundary limit; got values from"
-            f" {low.min():.6g} to {high.max():.6g} rad"
-        )
-    check_end(wind)

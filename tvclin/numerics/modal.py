@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 from tvclin.kernels import choice
 from tvclin.kernels.choice import in_slices
 from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, workspace
@@ -121,7 +121,10 @@ def responses(
         system.less_wind,
     )
     first, second = (flat_arrays(history, dtype) for history in histories)
-    case_rows = _case_rows((system.poles.shape[:-1], *(h.batch for h in histories)), shape)
+    # flat position of each case in the batches of plants, deflections and winds, (3, cases)
+    batches = (system.poles.shape[:-1], *(h.batch for h in histories))
+    positions = [np.arange(prod(batch)).reshape(batch) for batch in batches]
+    case_rows = np.stack([np.broadcast_to(rows, shape).ravel() for rows in positions])
     order = np.argsort(times) if np.any(times[1:] < times[:-1]) else None
     rising = times.copy() if order is None else times[order]
     out = np.empty((case_rows.shape[1], plants[2].shape[-1], times.size))
@@ -140,14 +143,3 @@ def responses(
         out[..., order] = out.copy()
     outputs = out.reshape(*shape, *out.shape[1:])
     return outputs, indistinct.reshape(shape) if indistinct.any() else None
-
-
-def _case_rows(batches: tuple[tuple[int, ...], ...], shape: tuple[int, ...]) -> IntArray:
-    """Return the flat position of each case in each batch, ``(len(batches), cases)``.
-
-    `batches`: shapes of batches that broadcast to the batch of all cases, whose shape is `shape`.
-    """
-    if not shape:
-        return np.zeros((len(batches), 1), np.int64)
-    rows = [np.arange(prod(batch)).reshape(batch) for batch in batches]
-    return np.stack([np.broadcast_to(row, shape).ravel() for row in rows])

@@ -57,47 +57,27 @@ def moments(z: ArrayLike, degree: int) -> AnyArray:
     orders = np.arange(degree + 1)
     size = np.abs(z)
     small = size <= degree + 1.5
-    downward = _downward(np.where(small, z, 0.0), degree)
+    # What the downward recursion starts from is wrong by a relative 1, and each order j multiplies
+    # that by |z|/j; with |z| <= degree + 1.5 so many more orders bring it below 1e-16.
+    start = 3 * degree + 26
+    downward = np.empty((*z.shape, degree + 1), dtype=z.dtype)
+    z_down = np.where(small, z, 0.0)
+    decay, moment = np.exp(-z_down), np.zeros_like(z)
+    for order in range(start, 0, -1):
+        moment = (z_down * moment + decay) / order  # M_(order-1)
+        if order <= degree + 1:
+            downward[..., order - 1] = moment
     if np.all(size <= 1.0):
         return downward
-    upward = _upward(np.where(size > 1.0, z, 2.0), degree)
+    upward, z_up = np.empty_like(downward), np.where(size > 1.0, z, 2.0)
+    with np.errstate(over="ignore", invalid="ignore"):
+        decay = np.exp(-z_up)
+        upward[..., 0] = -np.expm1(-z_up) / z_up
+        for order in range(1, degree + 1):
+            upward[..., order] = (order * upward[..., order - 1] - decay) / z_up
+    upward[np.isinf(decay)] = np.inf
     use_upward = (size[..., np.newaxis] > np.maximum(orders, 1.0)) | ~small[..., np.newaxis]
     return np.where(use_upward, upward, downward)
-
-
-def _downward(z: AnyArray, degree: int) -> AnyArray:
-    """Return M_0(z) ... M_degree(z), ``(..., degree + 1)``, for small z, from high to low orders.
-
-    M_k(z) is the integral from 0 to 1 of x^k e^(-z x) dx, by its recursion z M_k = k M_(k-1) -
-    e^(-z).
-    """
-    # What the recursion starts from is wrong by a relative 1, and each order j multiplies that by
-    # |z|/j; with |z| <= degree + 1.5 so many more orders bring it below 1e-16.
-    start = 3 * degree + 26
-    result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
-    decay = np.exp(-z)
-    moment = np.zeros_like(z)
-    for order in range(start, 0, -1):
-        moment = (z * moment + decay) / order  # M_(order-1)
-        if order <= degree + 1:
-            result[..., order - 1] = moment
-    return result
-
-
-def _upward(z: AnyArray, degree: int) -> AnyArray:
-    """Return M_0(z) ... M_degree(z), ``(..., degree + 1)``, for large z, from low to high orders.
-
-    M_k(z) is the integral from 0 to 1 of x^k e^(-z x) dx, by its recursion z M_k = k M_(k-1) -
-    e^(-z).
-    """
-    result = np.empty((*z.shape, degree + 1), dtype=z.dtype)
-    with np.errstate(over="ignore", invalid="ignore"):
-        decay = np.exp(-z)
-        result[..., 0] = -np.expm1(-z) / z
-        for order in range(1, degree + 1):
-            result[..., order] = (order * result[..., order - 1] - decay) / z
-    result[np.isinf(decay)] = np.inf
-    return result
 
 
 @dataclass(frozen=True)
@@ -180,10 +160,15 @@ def value(pieces: Pieces, t: FloatArray) -> AnyArray:
     Shape ``broadcast(batch, t.shape[:-1]) + (m,)``: the leading axes of the times broadcast with
     the batch of `pieces`.
     """
-    index, u = locate(pieces, t)
+    index, since_knot = locate(pieces, t)
     c = at_pieces(pieces.coefficients, index, trailing=2)
-    result = _evaluate(c, pieces.rates, np.maximum(u, 0.0))
-    return np.where(u < 0.0, 0.0, result)
+    u = np.maximum(since_knot, 0.0)[..., np.newaxis]
+    terms = c[..., -1]  # (..., m, rates), by Horner's scheme
+    for k in range(c.shape[-1] - 2, -1, -1):
+        terms = terms * u + c[..., k]
+    if pieces.rates.any():
+        terms = terms * np.exp(pieces.rates[..., np.newaxis, :] * u)
+    return np.where(since_knot < 0.0, 0.0, terms.sum(axis=-1))
 
 
 def add(first: Pieces, second: Pieces) -> Pieces:
@@ -202,7 +187,12 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     degree = max(first.degree, second.degree)
     c = []
     for p in (first, second):
-        terms = _on_knots(p, merged)
+        # coefficients on the merged knots; zero before the first knot of the history
+        index = _last_at_or_before(p.knots, merged)
+        piece = np.maximum(index, 0)
+        u = np.maximum(merged - at_pieces(p.knots, piece, trailing=0), 0.0)
+        terms = recentred(at_pieces(p.coefficients, piece, trailing=2), p.rates, u)
+        terms = np.where((index < 0)[..., np.newaxis, np.newaxis], 0.0, terms)
         padding = [(0, 0)] * (terms.ndim - 1) + [(0, degree - p.degree)]  # zeros up to the degree
         terms = np.pad(terms, padding)
         c.append(np.broadcast_to(terms, (*shape, merged.shape[-1], *terms.shape[-2:])))
@@ -310,34 +300,6 @@ def recentred(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
     return np.stack(np.broadcast_arrays(*columns), axis=-1) * growth[..., np.newaxis]
 
 
-def _evaluate(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
-    """Return the sums ``(..., m)`` of terms c_k u^k e^(rate u) at m local times u [s].
-
-    `c`: coefficients at each time, ``(..., m, rates, degree + 1)``. `rates`: ``(..., rates)``
-    [1/s].
-    """
-    u = u[..., np.newaxis]
-    polynomial = c[..., -1]
-    for k in range(c.shape[-1] - 2, -1, -1):
-        polynomial = polynomial * u + c[..., k]
-    if rates.any():
-        polynomial = polynomial * np.exp(rates[..., np.newaxis, :] * u)
-    return np.asarray(polynomial.sum(axis=-1))
-
-
-def _on_knots(pieces: Pieces, knots: FloatArray) -> AnyArray:
-    """Return the coefficients of histories on finer knots, ``(..., m, rates, degree + 1)``.
-
-    They are zero before the first knot of `pieces`. `knots`: knots that include those of the
-    histories, ``(..., m)`` [s].
-    """
-    index = _last_at_or_before(pieces.knots, knots)
-    piece = np.maximum(index, 0)
-    u = np.maximum(knots - at_pieces(pieces.knots, piece, trailing=0), 0.0)
-    c = recentred(at_pieces(pieces.coefficients, piece, trailing=2), pieces.rates, u)
-    return np.where((index < 0)[..., np.newaxis, np.newaxis], 0.0, c)
-
-
 def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
     """Return breakpoints [s] and coefficients of the histories of a batch as polynomials.
 
@@ -412,7 +374,13 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
     the next knot on, those at the knots being computed once. Every exponential in it decays, so
     that an unstable mode that is not excited stays exact at any later time.
     """
-    at_knots, diverges = _remaining_at_knots(pieces, s)
+    values, piece_diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
+    diverges = np.asarray(piece_diverges.any(axis=-1))
+    # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last knot on, I_i being of its piece
+    decay_over_piece = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
+    at_knots = np.array(values)
+    for i in range(at_knots.shape[-1] - 2, -1, -1):
+        at_knots[..., i] += decay_over_piece[..., i] * at_knots[..., i + 1]
     after = np.concatenate([at_knots[..., 1:], np.zeros_like(at_knots[..., :1])], axis=-1)
     column, widths = s[..., np.newaxis], pieces.widths
 
@@ -434,21 +402,6 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
         )
 
     return at
-
-
-def _remaining_at_knots(pieces: Pieces, s: AnyArray) -> tuple[AnyArray, BoolArray]:
-    """Return the remaining integrals at the knots, ``(..., n)``, and where they diverge, ``(...)``.
-
-    The integral at a knot t of histories f is that of e^(-s (r - t)) f(r) dr from t on. `pieces`:
-    f. `s`: ``(...)`` [1/s].
-    """
-    values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
-    # F(t_i) = I_i + e^(-s (t_i+1 - t_i)) F(t_i+1), from the last piece on
-    decay = np.exp(-s[..., np.newaxis] * np.diff(pieces.knots, axis=-1))
-    result = np.array(values)  # I_i, and from the last one down F(t_i)
-    for i in range(result.shape[-1] - 2, -1, -1):
-        result[..., i] += decay[..., i] * result[..., i + 1]
-    return result, np.asarray(diverges.any(axis=-1))
 
 
 def integrals(

@@ -118,7 +118,13 @@ def roots(polynomial: FloatArray) -> AnyArray:
     if degree == 2:
         return _quadratic(-0.5 * monic[..., 0], monic[..., 1])
     if 2 < degree <= _MAX_DIRECT_DEGREE:
-        return _low_degree_roots(monic)
+        rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
+        rows = rows.reshape(-1, degree + 1)
+        rows = rows[:1] if np.all(rows == rows[:1]) else rows  # one vehicle in many winds
+        count, row_roots = len(rows), np.empty((len(rows), degree), dtype=complex)
+        run(small_roots, (rows, row_roots), count, PLAIN * count, COMPILED * count)
+        all_roots = np.resize(row_roots, monic.shape)
+        return all_roots if np.any(np.imag(all_roots)) else np.real(all_roots)
     companion = np.zeros((*monic.shape[:-1], degree, degree))
     companion[..., 0, :] = -monic
     companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1.0
@@ -145,22 +151,6 @@ def roots_of_each(polynomial: FloatArray) -> ComplexArray:
     return all_roots
 
 
-def _low_degree_roots(monic: FloatArray) -> AnyArray:
-    """Return the roots ``(..., n)`` of monic cubics and quartics, by the kernel `small_roots`.
-
-    `monic`: coefficients after the leading 1, ``(..., n)``.
-    """
-    rows = np.concatenate([np.ones_like(monic[..., :1]), monic], axis=-1)
-    rows = rows.reshape(-1, rows.shape[-1])
-    if np.all(rows == rows[:1]):  # one vehicle in many winds
-        rows = rows[:1]
-    row_roots = np.empty((len(rows), rows.shape[-1] - 1), dtype=complex)
-    count = len(rows)
-    run(small_roots, (rows, row_roots), count, PLAIN * count, COMPILED * count)
-    all_roots = np.resize(row_roots, monic.shape)
-    return all_roots if np.any(np.imag(all_roots)) else np.real(all_roots)
-
-
 def bound(polynomial: FloatArray) -> FloatArray:
     """Return an upper bound of the sizes of the roots, ``(...)``, after Fujiwara (1916).
 
@@ -182,7 +172,7 @@ def _parts_on_axis(polynomial: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def _padded(polynomial: FloatArray, size: int) -> FloatArray:
-    """Return coefficients, highest power first, with leading zeros up to `size`, ``(..., size)``."""
+    """Return coefficients, highest power first, after zeros up to `size`, ``(..., size)``."""
     padded = np.zeros((*polynomial.shape[:-1], size), polynomial.dtype)
     padded[..., size - polynomial.shape[-1] :] = polynomial
     return padded

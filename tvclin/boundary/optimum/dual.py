@@ -305,27 +305,19 @@ def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedS
     for halvings in range(_STEP_LENGTHS):
         length = 0.5**halvings
         moved = current.multipliers + length * step
-        if geometric:
-            moved = _in_logarithms(current, length * step)
+        if geometric:  # times e^(step/multiplier), a pair's multipliers being one complex number
+            c = current.window.constraints
+            size, change = map(c.complex_values, (current.multipliers, length * step))
+            still = size == 0.0
+            with np.errstate(over="ignore", invalid="ignore"):
+                factor = np.exp(change / np.where(still, 1.0, size))
+                moved = c.real_rows(np.where(still, change, size * factor))
         if not np.all(np.isfinite(moved)):
             continue
         trial = current.window.signed(moved)
         if trial.residual < current.residual * (1.0 - 1e-4 * length):  # enough of a decrease
             return trial
     return None
-
-
-def _in_logarithms(current: SignedSum, step: FloatArray) -> FloatArray:
-    """Return each multiplier of the sum `current` times e^(step/multiplier), ``(n,)``.
-
-    `step`: plain change of the multipliers, ``(n,)``. Those of a pair are one complex number.
-    """
-    constraints = current.window.constraints
-    size, change = map(constraints.complex_values, (current.multipliers, step))
-    still = size == 0.0
-    with np.errstate(over="ignore", invalid="ignore"):
-        moved = size * np.exp(change / np.where(still, 1.0, size))
-    return constraints.real_rows(np.where(still, change, moved))
 
 
 def _newton_step(current: SignedSum) -> FloatArray:

@@ -295,8 +295,15 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
         np.broadcast_to(values, (*shape, count)).reshape(-1, count)
         for values in (wind_over_deflection(plant, poles), poles)
     )
+    winds, which = kernel_arrays(wind.pieces, shape)  # knots, coefficients, rates; wind of a case
+    filled = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
+    # integrals of e^(-p u) times the wind, u being the time since its onset
+    transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))
+    knots = transforms.size * winds[0].shape[-1]
+    work = (winds, which, np.ascontiguousarray(filled), transforms)
+    run(onset_integrals, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
     with np.errstate(invalid="ignore"):
-        demands = -strength * _onset_moments(wind, poles, shape)
+        demands = -strength * (transforms if np.iscomplexobj(filled) else np.real(transforms))
     return peaks_for_demands(poles, demands, peaks).reshape(shape)
 
 
@@ -357,21 +364,6 @@ def peaks_for_demands(
             case_poles, case_demands = np.real(case_poles), np.real(case_demands)
         peaks[k] = optimum_under(conditions(case_poles, case_demands)).peak
     return peaks
-
-
-def _onset_moments(wind: History, poles: AnyArray, shape: tuple[int, ...]) -> AnyArray:
-    """Return the integrals of e^(-p u) times winds, u being the time since their onset, ``(n, m)``.
-
-    `poles`: p [1/s], ``(n, m)``; NaN where there is none. `shape`: shape of the batch of n cases,
-    to which the winds broadcast.
-    """
-    winds, which = kernel_arrays(wind.pieces, shape)  # knots, coefficients, rates; wind of a case
-    filled = np.where(np.isnan(poles), 1.0, poles)  # NaN stands for a pole that is not there
-    transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))
-    knots = transforms.size * winds[0].shape[-1]
-    work = (winds, which, np.ascontiguousarray(filled), transforms)
-    run(onset_integrals, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
-    return transforms if np.iscomplexobj(filled) else np.real(transforms)
 
 
 def _is_sufficient(poles: AnyArray, demands: AnyArray, peak: FloatArray) -> BoolArray:
@@ -455,7 +447,12 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
         `i`: indices of pairs ``(c,)``. `zero`: first zero of the cosine [rad], for each pair.
         """
         toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (zero - 0.5 * np.pi))))
-        return -toward / _norm(zero, k[i, np.newaxis])
+        # integral of e^(-k x) |cos(x + phi)| over x > 0, times 1 + k^2: up to the zero of the
+        # cosine, and from there on a geometric series of half waves
+        ratio = k[i, np.newaxis]
+        series = (1.0 + np.exp(-ratio * np.pi)) / -np.expm1(-ratio * np.pi)
+        norm = np.exp(-ratio * zero) * (1.0 + series) - np.cos(zero) + ratio * np.sin(zero)
+        return -toward / norm
 
     # Pairs that are nearly real turn within about 1/k of phi = pi/2.
     fine = np.geomspace(1e-8, np.pi, _DIRECTIONS)
@@ -470,14 +467,3 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
         _, refined = grid_minimum(lambda zero: negative(zero, inner), *ends)
         value[inner] = np.minimum(value[inner], refined)
     return -value * np.imag(poles) * (1.0 + k**2)
-
-
-def _norm(zero: FloatArray, k: FloatArray) -> FloatArray:
-    """Return the integral of e^(-k x) ``|cos(x + phi)|`` over x > 0, times 1 + k^2.
-
-    x is omega u, of e^(-sigma u) cos(omega u + phi). `zero`: the first zero x = pi/2 - phi. `k`:
-    decay sigma/omega. The integral is exact up to the zero, and from there on a geometric series of
-    half waves.
-    """
-    series = (1.0 + np.exp(-k * np.pi)) / -np.expm1(-k * np.pi)
-    return np.exp(-k * zero) * (1.0 + series) - np.cos(zero) + k * np.sin(zero)

@@ -437,7 +437,11 @@ class ContinuousFlight:
         knots = self.wind.knots
         edges = np.unique([start, *knots[(knots > start) & (knots < stop)], stop])
         state, regime, evaluations = np.zeros(self.loop.size), Regime(), count(1)
-        self._check_law(start, state)
+        # without an actuator the measured deflection is NaN, and so is a demand that depends on it
+        if np.isnan(self.loop.demand(state, self.loop.measured(start, state))):
+            raise InputError(
+                "a law that looks at the deflection needs an actuator or a sample_rate"
+            )
         arcs: list[Arc] = []
         for first, end in pairwise(edges):
             now = float(first)
@@ -542,17 +546,6 @@ class ContinuousFlight:
     def _max_step(self) -> float:
         """Longest step of the solver [s], for the poles of actuator and law."""
         return _MAX_STEP_TIMES_POLE / self.loop.fastest if self.loop.fastest else np.inf
-
-    def _check_law(self, start: float, rest: FloatArray) -> None:
-        """Raise `InputError` for a law that depends on the deflection without an actuator.
-
-        Without one the measured deflection is NaN, and so is such a demand. `start`: start of the
-        flight [s]. `rest`: states in equilibrium.
-        """
-        if np.isnan(self.loop.demand(rest, self.loop.measured(start, rest))):
-            raise InputError(
-                "a law that looks at the deflection needs an actuator or a sample_rate"
-            )
 
 
 def _with_evaluation_limit(

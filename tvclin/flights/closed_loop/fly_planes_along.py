@@ -15,7 +15,6 @@ from tvclin.ascent.measured_wind import MeasuredPlanes
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import planes_along
 from tvclin.base import errors
-from tvclin.base.arrays import FloatArray
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape, PolygonShape, limit_shape_of
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
@@ -162,8 +161,13 @@ def _flight_in_planes(
     # limit cycles are looked for with the largest limits that planes may use separately
     by_planes = isinstance(shape, PolygonShape) and shape.by_planes
     separate_limits = (shape if by_planes else shape.each_plane()).plane_limits
+    # normals of the shape, for the kernel's gauge: none of a circle, and zero of a rectangle along
+    # the planes, since each plane has its own limit
+    normals = np.zeros((1 if by_planes else 0, 2))
+    if isinstance(shape, PolygonShape) and not by_planes:
+        normals = np.column_stack([shape.normals.real, shape.normals.imag])
     with repeated(SIMILAR_RUNS):
-        finish_in_planes(flights[0], flights[1], _normals(shape), np.array([limit]))
+        finish_in_planes(flights[0], flights[1], normals, np.array([limit]))
         for batch, f, inner in zip(batches, flights, separate_limits, strict=True):
             within = f._replace(cases=f.cases._replace(limit=np.array([limit * inner])))
             cases = flown_cases(f, np.ones(1, bool), unstable_loops(batch, within))
@@ -177,19 +181,6 @@ def _flight_in_planes(
         )
     }
     return _vector_flight(by_plane, shape, limit)
-
-
-def _normals(shape: CircularShape | PolygonShape) -> FloatArray:
-    """Return the normals of a limit shape over their distance from zero, ``(k, 2)``.
-
-    The kernel's gauge of a deflection is the largest scalar product with them. There are none for a
-    circle; a rectangle along the planes has a normal of zero, since each plane has its own limit.
-    """
-    if isinstance(shape, CircularShape):
-        return np.zeros((0, 2))
-    if shape.by_planes:
-        return np.zeros((1, 2))
-    return np.column_stack([shape.normals.real, shape.normals.imag])
 
 
 def _vector_flight(
