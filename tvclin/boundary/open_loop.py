@@ -237,8 +237,9 @@ def with_larger_requirements(
     if not np.any(larger):
         return boundary
     governs = [(sizes * (1.0 + ROUNDING) >= largest)[larger] for sizes in required.values()]
-    words, reasons = np.select(governs, [reason.larger for reason in required], ""), status[larger]
-    combined = np.where(reasons == OK, words, np.char.add(np.char.add(reasons, "; "), words))
+    # sentence on the requirement that governs, behind the status of the boundary unless it is "ok"
+    words, before = np.select(governs, [reason.larger for reason in required], ""), status[larger]
+    combined = np.where(before == OK, words, np.char.add(np.char.add(before, "; "), words))
     status = status.astype(np.result_type(status, combined))
     status[larger] = combined
     return replace(boundary, status=status if status.ndim else str(status))

@@ -443,7 +443,10 @@ def _numerators(N: ComplexArray, D: ComplexArray) -> tuple[ComplexArray, ...]:
 
 
 def _size(values: ComplexArray) -> FloatArray:
-    """Return absolute values of complex numbers, in real arithmetic as in `product`."""
+    """Return absolute values of complex numbers, in real arithmetic.
+
+    The complex functions of numpy round differently by position in memory.
+    """
     return np.sqrt(values.real**2 + values.imag**2)
 
 

@@ -203,7 +203,7 @@ def _evolved(
     """
     random = np.random.default_rng(0)
     for _ in range(rounds):
-        order = np.argsort(costs, kind="stable")[:POOL]
+        order = np.argsort(costs, kind="stable")[:POOL]  # the best first
         points, costs = points[order], costs[order]
         if costs[-1] - costs[0] < tolerance:
             break

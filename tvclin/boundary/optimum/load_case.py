@@ -54,7 +54,7 @@ class LoadCase:
 
     @cached_property
     def poles(self) -> AnyArray:
-        """Poles s [1/s], ``(k,)``: unstable ones first, the upper one of a conjugate pair."""
+        """Poles s [1/s], ``(k,)``: unstable ones first; of a pair only the upper, Im s > 0."""
         poles, _, _ = self._modes
         return poles
 
@@ -231,7 +231,8 @@ class LoadWeights:
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))  # h at both ends of each cell
         crosses = edge[:, 0] * edge[:, 1] < 0.0
         root = np.where(crosses, edge[:, 0] / np.where(crosses, edge[:, 0] - edge[:, 1], 1.0), 1.0)
-        areas, first = np.zeros((2, n)), np.zeros(n)  # before and after h changes its sign
+        # integrals of h before and after its change of sign; first moments of h [s]
+        areas, first = np.zeros((2, n)), np.zeros(n)
         for k, (low, high) in enumerate(((np.zeros(n), root), (root, np.ones(n)))):
             x = low[:, np.newaxis] + (high - low)[:, np.newaxis] * _FRACTIONS
             h = self._density(x) * _SHARES * ((high - low) * self.widths)[:, np.newaxis]

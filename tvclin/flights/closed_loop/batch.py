@@ -95,11 +95,12 @@ def with_ramp(plant: LinearSystem) -> LinearSystem:
 
 
 def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: int) -> FloatArray:
-    """Return J of `Steps`, ``(p, parts, N, N + 1 + terms)``: transitions over parts of a sample.
+    """Return the transition matrices J of `Steps` over the p vehicles' parts of a sample.
 
-    They act on the N states, the command, and the `terms` coefficients of the wind's polynomial,
-    which are the last states of `driven`. `driven`: result of `with_wind`. `vehicle`: number of
-    states without the nozzle. `parts`: lengths of the parts [s], ``(p, parts)``.
+    J maps the N states, the command, and the `terms` coefficients of the wind's polynomial, which
+    are the last states of `driven`, to the N states at the end, ``(p, parts, N, N + 1 + terms)``.
+    `driven`: result of `with_wind`. `vehicle`: number of states without the nozzle. `parts`:
+    lengths of the parts [s], ``(p, parts)``.
     """
     steps = driven.to_steps(parts.T)
     order = len(driven.states) - terms
@@ -226,7 +227,10 @@ class Batch:
 
     @property
     def indices(self) -> tuple[IntArray, IntArray]:
-        """Flat indices of the vehicle and of the wind of each flight in their batches, ``(m,)``."""
+        """Flat indices of the vehicle and of the wind of each flight in their batches, ``(m,)``.
+
+        Without given ones, vehicles and winds broadcast to the shape of the flights.
+        """
         vehicle, encountered = self.vehicle, self.encountered
         if vehicle is None or encountered is None:
             vehicle, encountered = (
@@ -517,7 +521,7 @@ def spread_to(array: float | FloatArray, shape: tuple[int, ...]) -> FloatArray:
 
 
 def samples_in(span: FloatArray, period: FloatArray) -> IntArray:
-    """Return the number of samples, at least one, that cover a span [s]; `NEVER` if infinite.
+    """Return the number of samples, at least one, that cover a span [s]; `NEVER` if it is infinite.
 
     `period`: sampling period [s]. The two are broadcast.
     """

@@ -373,6 +373,7 @@ def tracked_states(f: Flights, limit: float) -> tuple[FloatArray, FloatArray, Fl
     deflection. `f`: a sampled flight at its end, with its recorded samples. `limit`: deflection
     limit [rad].
     """
+    # recorded rows of a sample, of which the first has its start; number of states
     per_sample, order = int(f.steps.substeps[0].sum()), f.now.y.shape[1]
     y = np.concatenate([f.track[::per_sample, :order], f.now.y])
     count, n = len(y), f.vehicles.A.shape[1]

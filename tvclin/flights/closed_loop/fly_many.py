@@ -77,7 +77,9 @@ def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
 def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
     """Return the flights at `indices` after a further interval, in still air.
 
-    `f`: arrays of all flights at their ends. `laws`: laws of the flights.
+    Samples and time are counted on from the end of a flight, with its states and its pending
+    commands, which are kept in a ring. `f`: arrays of all flights at their ends. `laws`: laws of
+    the flights.
     """
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
@@ -322,9 +324,9 @@ def unstable_loops(batch: Batch, f: Flights) -> BoolArray:
 def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> FlownCases:
     """Return the outcomes of all cases of a batch; NaN and "no flight" where none is possible.
 
-    `f`: arrays at their ends of the k flights of the possible cases; None without any. `possible`:
-    whether each case is possible, of the shape of the batch. `rings`: whether the loop of each
-    flight keeps oscillating, ``(k,)``.
+    `f`: arrays of the kernel, at their ends, of the k flights of the possible cases; None without
+    any. `possible`: whether each case is possible, of the shape of the batch. `rings`: whether the
+    loop of each flight keeps oscillating, ``(k,)``, which makes "rings" of "survived".
     """
     outcome = np.full(possible.shape, len(STATUS) - 1)  # "no flight", the last of them
     if f is None:

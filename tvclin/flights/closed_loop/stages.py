@@ -232,11 +232,15 @@ class Stages:
 
     @cached_property
     def _timing(self) -> Timing:
-        """Lengths of all samples and of their parts, with the same substeps in each."""
+        """Lengths of all samples and of their parts, with the same substeps in each.
+
+        So the recorded rows of a flight are as many in each sample. The parts of a sample are
+        before and after the arrival of a delayed command.
+        """
         count = self.times.size
         length, delay = (np.full(count, float(x)) for x in (self.period, self.hardware.delay))
         timing = Timing.of(self.hardware, (count,), length, delay)
-        return timing._replace(  # the rows of a track are as many in each sample
+        return timing._replace(
             substeps=np.broadcast_to(timing.substeps.max(axis=0), timing.substeps.shape).copy()
         )
 
@@ -451,8 +455,9 @@ class Stages:
     def _criteria(self) -> dict[str, FloatArray]:
         """Outcome criteria of all samples: judges, reach and ratio as in `Vehicles`, by name.
 
-        Those of samples at which no flight is judged are NaN: it is judged every `JUDGED_SAMPLES`
-        samples after its wind, or in its last seconds.
+        They are rows of the unstable coordinates, the largest of these that the limit recovers over
+        it, and the ratio of the poles. At samples at which no flight is judged they are NaN: it is
+        judged every `JUDGED_SAMPLES` samples after its wind, or in its last seconds.
         """
         judged = np.zeros(self.times.size, bool)
         for wind, end in enumerate(self._judged[0]):
@@ -483,7 +488,8 @@ class Stages:
         """Step matrices of the states of laws and filters, for each sample or one for all.
 
         There is one for each where a filter varies along the flight. The only state of a law
-        without filters is the integral of the attitude.
+        without filters is the integral of the attitude; then the rows of the law's inputs and of
+        the filtered demand are empty.
         """
         laws, count = self.laws, self.times.size
         integral = attitude_integral(bool(np.any(laws.integral_gain)))
