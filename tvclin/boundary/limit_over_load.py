@@ -316,8 +316,9 @@ class LoadLimits:
     def _minimum_load(self) -> tuple[float, float]:
         """Minimum load [rad] of controls on successively finer nodes, and its lower bound [rad].
 
-        The line (bound, slope) of a program, peak >= bound - slope load, gives the lower bound, for
-        no peak is above `_MAX_DEFLECTION`.
+        The line below all peaks of a program, peak >= bound - slope load, gives the lower bound,
+        for no peak is above `_MAX_DEFLECTION`. At most five programs are solved, each on the finer
+        nodes of the one before.
         """
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf

@@ -275,11 +275,13 @@ class LoadWeights:
         nodes: FloatArray,
         widths: FloatArray,
     ) -> ComplexArray:
-        """Return the weights at successive nodes ``(n + 1, k)``, summed with decay over each cell.
+        """Return for each mode the weights of the load beyond successive nodes, decayed to them.
 
-        `first`: at the first node, ``(k,)``. `near_ends`, `far_ends`: density [1/s] at the end of
-        each cell near the node that is reached, and at the other. `nodes`: weights of those nodes.
-        `widths`: of the cells [s], ``(n,)``.
+        Shape ``(n + 1, k)``. From a node to the next it is w <- decay w + c (weights of the cell
+        and of the next node), c being the share of the mode in the load. `first`: at the first
+        node, ``(k,)``. `near_ends`, `far_ends`: density [1/s] at the end of each cell near the node
+        that is reached, and at the other. `nodes`: weights of those nodes. `widths`: of the cells
+        [s], ``(n,)``.
         """
         decay, start_weights, end_weights = convolution_weights(
             self.case.rates, widths[:, np.newaxis]
@@ -292,14 +294,15 @@ class LoadWeights:
         return weights
 
     def _density(self, x: FloatArray) -> FloatArray:
-        """Return the density h [1/s] of the deflection's weight in the load, ``(n, q)``.
+        """Return h [1/s], the weight of a deflection at a time in the weighted load, ``(n, q)``.
 
-        `x`: fractions of the n cells, ``(n, q)``. h is M times the weight of the load, and of each
-        mode the weights of load ahead or behind, decayed to that time.
+        It is M times the density of the load's weight then, and for each mode the weights of the
+        load that it changes, decayed to that time: the load before it by unstable modes, the load
+        after it by stable ones. `x`: fractions of the n cells, ``(n, q)``.
         """
         c = self.case
         column, (start, end) = self.widths[:, np.newaxis], self.density_ends[:, :, np.newaxis]
-        here = start * (1.0 - x) + end * x
+        here = start * (1.0 - x) + end * x  # density of the load's weight
         density = c.ratio * here
         for i in range(c.poles.size):
             if c.unstable[i]:

@@ -248,7 +248,11 @@ class LoadProgram:
         return sparse.vstack(parts).tocsr(), np.concatenate(values)
 
     def _solution(self, result: Any, bound: float) -> Solution:
-        """Return the solution of a solved program, `result` of linprog, at a load `bound` [rad]."""
+        """Return the solution of a solved program, `result` of linprog, at a load `bound` [rad].
+
+        Its deflection is corrected to satisfy the conditions to rounding, and its load computed
+        between the nodes too.
+        """
         first, last = self._levels
         u = self._corrected(result.x[: self._variables] * self._unit)
         ends = np.stack([first @ u, last @ u])
@@ -300,7 +304,8 @@ class LoadProgram:
     ) -> tuple[float, float]:
         """Return the lower bound [rad] of the peak at zero load, and its decrease per load.
 
-        `weights`: weights of the load at its points. `prices`: prices of the unstable modes.
+        `weights`: prices of the load rows, its weights at the nodes, or with a load of the
+        deflection itself (M) at both ends of each cell. `prices`: prices of the unstable modes.
         `rate_prices`: prices of the rate limit in each cell, or None.
         """
         case, n = self.case, self.widths.size
@@ -324,6 +329,7 @@ class LoadProgram:
             density_ends=density_ends,
             prices=_complex(case, prices),
         )
+        # parts of the weighted load of the reference and the rate limit; weight of the peak
         used, norm = weighed.proof(self.reference, rate_prices)
         if norm == 0.0:
             return 0.0, 0.0

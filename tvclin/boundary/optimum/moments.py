@@ -343,7 +343,10 @@ class SignedSum:
 
     @cached_property
     def residual(self) -> float:
-        """Largest relative violation of a condition by the deflection norm sgn(lambda . e)."""
+        """Largest violation of a condition by the deflection norm sgn(lambda . e), a fraction.
+
+        It is relative to the size of the condition's terms.
+        """
         demands = self.window.constraints.demands
         with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure
             sizes = self.norm * self.window.sizes + np.abs(demands)

@@ -50,8 +50,8 @@ SUBSTEPS = 8.0
 def quickness(actuator: Actuator | None) -> FloatArray:
     """Return the bandwidth [1/s] of a first-order actuator; inf without any, 0 for second order.
 
-    Its first motion in a substep is bandwidth times substep of the way to its command: that bounds
-    its rate, which for second order the state has.
+    In a substep such an actuator starts to move by bandwidth times substep of the way to its
+    command, which is compared with its rate limit; for second order the rate is a state.
     """
     if actuator is None:
         return np.asarray(np.inf)
@@ -243,7 +243,11 @@ class Batch:
         return replace(self, hardware=replace(self.hardware, delay=delay))
 
     def only(self, mask: BoolArray) -> Batch:
-        """Return the flights at which a mask ``(m,)`` is true, with their vehicles and winds."""
+        """Return the flights at which a mask ``(m,)`` is true, with only their vehicles and winds.
+
+        `vehicle` and `encountered` then count among these. It is used to omit cases that are not
+        possible.
+        """
         shape, where = self.vehicles, np.flatnonzero(mask)
         (fleet, vehicle), (winds, encountered) = (
             np.unique(a[where], return_inverse=True) for a in self.indices

@@ -286,12 +286,12 @@ def ends_of(loop: Loop, regime: Regime) -> list[End]:
     """Return the events that can end a regime, in which the active limits stay the same.
 
     They are those of the law, of the rate limit if there is one, and of the deflection limit for a
-    nozzle of second order.
+    nozzle with two states (`servo`), which is of second order: of first order it never overshoots.
     """
     ends = [_mode_end(loop, regime, sign) for sign in _signs(regime.mode)]
     if loop.servo and loop.rate_limit < np.inf:
         ends += [_rate_end(loop, regime, sign) for sign in _signs(regime.rate)]
-    if loop.servo > 1:  # of first order the nozzle never overshoots its command
+    if loop.servo > 1:
         ends += [_stop_end(loop, regime, sign) for sign in _signs(regime.stop)]
     return ends
 

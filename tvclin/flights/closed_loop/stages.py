@@ -467,9 +467,10 @@ class Stages:
         rows, width = np.flatnonzero(judged), self.steps.joint.shape[2]
 
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
-            """Return the criteria at times [s] of judged samples with the indices `index`, by name.
+            """Return the criteria at times [s], by name, for the samples with the indices `index`.
 
-            The samples are `rows` of all samples; the names are as in `Vehicles`.
+            These are indices in `rows`, the samples at which flights are judged. Rows of the
+            unstable coordinates are padded to all states of the loop.
             """
             criteria = outcome_criteria(self.plants_at(times, self.flight[rows[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))
