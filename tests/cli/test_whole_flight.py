@@ -305,6 +305,20 @@ def test_a_flight_through_gaps_of_a_sounding_is_not_known_to_survive(folder, tmp
     assert (known.exit_code, known.stdout[:8]) == (0, "SURVIVED")
 
 
+def test_a_sounding_that_is_calm_in_one_plane_is_flown_in_both(folder, tmp_path) -> None:
+    """As in the other plane alone: the calm plane requires nothing."""
+    winds = tmp_path / "jet.csv"
+    write_sounding(winds, 55)
+    flown = {}
+    for name, keys in {"both": "nozzle.limit_shape=round", "pitch": "study.plane=pitch"}.items():
+        options = ("--azimuth-deg", "90", "--limit-deg", "0.6", "--set", keys, "--json")
+        done = run("fly", folder / "study.toml", "--winds", winds, *options)
+        assert done.exit_code == 0, done.output
+        (flown[name],) = json.loads(done.stdout)["flights"]
+    for key in ("peak_deflection_deg", "peak_attitude_deg"):
+        assert flown["both"][key] == pytest.approx(flown["pitch"][key], rel=1e-9)
+
+
 def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     archive = folder / "soundings"
     archive.mkdir(exist_ok=True)

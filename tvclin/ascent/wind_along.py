@@ -181,8 +181,10 @@ def sounding_along(
     times = np.unique(np.concatenate([*between, knots[-1:]]))
     inside = np.minimum(times, np.nextafter(knots[-1], -np.inf))  # zero from the last knot on
     (angle,), _ratio = encountered.at(inside[np.newaxis])
-    change = SampledWind(time=times, angle=angle - history(inside))
-    return WindAlong(history + change, encountered, known)
+    change = angle - history(inside)
+    if not np.any(change):  # of a plane in which the sounding is calm
+        return WindAlong(history, encountered, known)
+    return WindAlong(history + SampledWind(time=times, angle=change), encountered, known)
 
 
 @dataclass(frozen=True, eq=False)
