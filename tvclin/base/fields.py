@@ -176,7 +176,7 @@ class Field:
     def line(self, record: Any, prefix: str) -> lines.Line:
         """Return the value of a record as a cell with unit, whose number is called `prefix`.key.
 
-        The key is that of documents, with the unit at its end: study.peak_deg.
+        The key has the unit at its end, as in documents: study.peak_deg.
         """
         return self.cell(f"{prefix}.{self.document_key}", self.value(record), self.unit)
 

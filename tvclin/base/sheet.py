@@ -324,7 +324,7 @@ def letters(name: str) -> str:
 
 
 def is_comment(content: str) -> bool:
-    """Return whether the line `content` is a comment: by its mark, or an event without its mark."""
+    """Return whether a line `content` is a comment: by its mark, or an event of OpenRocket."""
     bare = content.lstrip("\"' \t\ufeff")
     return bare.startswith(("#", "%", "!", "//")) or bare.startswith("Event ")
 
@@ -411,15 +411,8 @@ def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
     if not rows:
         raise InputError(f"{text.source} has no row below its line of names")
     rows = _with_points(text, line, rows)
-    numbers = np.array(line, dtype=np.int64)
-    return Sheet(
-        text=text,
-        headings=headings,
-        line=numbers,
-        cells=tuple(rows),
-        head=head,
-        notes=_skipped(text.lines[:head]),
-    )
+    numbers, notes = np.array(line, dtype=np.int64), _skipped(text.lines[:head])
+    return Sheet(text, headings, line=numbers, cells=tuple(rows), head=head, notes=notes)
 
 
 def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:

@@ -513,7 +513,7 @@ def _add_turbulence(
         ]
         required[name] = float(np.max([required[name], *sizes]))
     travels = [wind.travel for wind in turbulence.winds]
-    # travel [rad] that turbulence adds to that of each wind
+    # travel [rad] that turbulence adds in each wind
     added = [
         np.nan if x is None else x.expected - x.of_wind + turbulence.sigmas * x.deviation
         for x in travels

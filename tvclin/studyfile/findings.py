@@ -187,6 +187,7 @@ class Findings:
 def _sealed(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Return the inputs of a record that its seal covers, by name.
 
+    Inputs that older studies had not are omitted where they are None, so that old seals stay.
     `pairs`: names and values of all its inputs.
     """
     pairs = [pair for pair in pairs if pair[0] != "numbers_from"]  # no number depends on it

@@ -290,7 +290,7 @@ class FlightLoop:
 
         The required one is the requirement of the sizing that counts, frozen or of parameters that
         vary during the wind, with the lower bounds of the same kind: the minimum, with the wind
-        known, and the one without a forecast. `sizing`: of the flight and its winds.
+        known, and the bound without a forecast. `sizing`: of the flight and its winds.
         `requirements`: whether the autopilot requirement stands beside them too; in both planes it
         is not computed, and NaN. `progress`: called with flights done and in total.
         """

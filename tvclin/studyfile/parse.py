@@ -137,9 +137,9 @@ def _criteria(table: dict[str, Any]) -> Criteria:
     limits = CRITERIA_TABLE.read(table)
     name = limits.pop("name", None)
     if name is None:
-        return Criteria.custom("own", "the study file", **limits)
+        return Criteria.custom(name="own", source="the study file", **limits)
     standard = CRITERIA[one_of("name in [criteria]", name, CRITERIA)]
-    return standard.with_limits("the study file", **limits)
+    return standard.with_limits(source="the study file", **limits)
 
 
 def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:

@@ -339,10 +339,10 @@ def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None
 
 
 def _row_table(name: str, key: str) -> FileTable:
-    """Return the table of a key in a row of the table `name`; a wind may be measured."""
+    """Return the table of a key in a row of the table `name`; a wind may be a sounding."""
     table = _ALL_TABLES[name]
-    measured = name == "wind" and key not in table.every_key and key in SOUNDING_TABLE.every_key
-    return SOUNDING_TABLE if measured else table
+    of_sounding = name == "wind" and key not in table.every_key and key in SOUNDING_TABLE.every_key
+    return SOUNDING_TABLE if of_sounding else table
 
 
 def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value: Any) -> None:

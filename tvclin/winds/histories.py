@@ -104,7 +104,7 @@ class History(Record, ABC):
             return _finite_values(algebra.magnitude(self.pieces, s), s)
 
     def remaining_integral(self, s: ArrayLike, t: ArrayLike) -> AnyArray:
-        """Return the remaining integral, from `t` on, of e^(-s (r - t)) f(r) dr.
+        """Return the remaining integral, over r from `t` on, of e^(-s (r - t)) times the history.
 
         It is the effect that the history will still have, after the time `t` [s], on an unstable
         mode with the pole `s` [1/s]. Shape ``broadcast(batch, s.shape) + t.shape``.
@@ -114,8 +114,8 @@ class History(Record, ABC):
     def remaining_integral_of(self, s: ArrayLike) -> Callable[[ArrayLike], AnyArray]:
         """Return a function of times t [s]: the remaining integral, over r from t on.
 
-        It is that of e^(-s (r - t)) times the history at r, precomputed at the knots. `s`: poles
-        [1/s] of unstable modes, which broadcast with ``batch``.
+        Its integrand is e^(-s (r - t)) times the history at r; it is precomputed at the knots. `s`:
+        poles [1/s] of unstable modes, which broadcast with ``batch``.
         """
         s = _laplace_variable(s)
         with np.errstate(over="ignore", invalid="ignore"):

@@ -195,7 +195,7 @@ class ShapedWind:
 
     @property
     def placed_gust(self) -> History | None:
-        """Gust shifted to its time in the wind; None without a gust."""
+        """Gust with its middle at `gust_at`, or in the middle of the wind; None without a gust."""
         gust = self.gust
         if gust is None:
             return None

@@ -70,8 +70,8 @@ def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | Win
 def is_wind_from_gust(document: Mapping[str, Any]) -> bool:
     """Return whether the [gust] of a study file is itself the wind, not on top of another wind.
 
-    Other winds are those of [wind] and the soundings of [availability]. `document`: the file as
-    nested tables.
+    Another wind is in [wind], or a sounding of [availability]. `document`: the file as nested
+    tables.
     """
     return "gust" in document and not {"wind", "availability"} & document.keys()
 

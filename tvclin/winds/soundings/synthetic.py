@@ -207,7 +207,7 @@ def synthetic_profile(
 def _check_rows(
     names: str, rows: tuple[FloatArray, FloatArray], ascending: tuple[FloatArray, ...]
 ) -> None:
-    """Raise `InputError` unless two rows have one length, and those of `ascending` ascend.
+    """Raise `InputError` unless two rows have one length, and the rows `ascending` ascend.
 
     `names`: names of the rows in the error.
     """
