@@ -62,7 +62,7 @@ ORDINATE = r"boundary limit  $y_{BR} = -\delta_{max}/(B\,\alpha_{w,max})$ [-]"
 _DURATIONS = errors.between(1e-6, 1e6)
 """Check of the durations tau beta of an abscissa."""
 _FIXED, _DRIFT = "without drift: eqs (7), (12)", "with drift: eqs (16), (18)"
-_POINTS, _FLOWN_POINTS = 200, 40
+_POINTS, _FLOWN_POINTS = 60, 40
 """Durations of the wind; with a gust, where the trim law is flown for each."""
 CURVES_SECONDS = 1.0
 """Time of the curves of `study_chart` in plain Python [s], at least."""

@@ -341,7 +341,8 @@ def save_figure(plot: "ControlPlot", path: str | PathLike[str]) -> None:
         path = a_path("path", path)
         kind = figure_format(path)
         with plt.rc_context({"svg.hashsalt": "tvclin"}):
-            drawn = figure_bytes(plot.figure, format=kind, dpi=_DPI)
+            options = {"pil_kwargs": {"compress_level": _COMPRESSION}} if kind == "png" else {}
+            drawn = figure_bytes(plot.figure, format=kind, dpi=_DPI, **options)
         write_whole(path, lambda target: Path(target).write_bytes(drawn))
     finally:
         plt.close(plot.figure)
@@ -363,6 +364,9 @@ def figure_bytes(figure: Any, **options: Any) -> bytes:
 
 _DPI = 150
 """Dots per inch of a figure in pixels."""
+_COMPRESSION = 3
+"""Level of compression of PNG: with 6, the usual one, a figure takes twice as long to write, and is
+a twentieth smaller."""
 _DISTANCES = (11.0, 20.0, 34.0, 52.0, 74.0)
 """Distances of a number from its mark, in points, the preferred first."""
 _DIRECTIONS = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))

@@ -381,14 +381,19 @@ def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
 
 
 def survived_size(
-    limit: float, required: float, need: Callable[[float], float], largest: float = np.inf
+    limit: float,
+    required: float,
+    need: Callable[[float], float],
+    largest: float = np.inf,
+    tolerance: float = _SIZE_TOLERANCE,
 ) -> float:
     """Return the factor on a wind at which the required deflection is the limit [rad].
 
     The requirement is taken to rise with the factor; the factor returned is survived.
     `required`: required deflection [rad] of the wind itself; `need`: function that returns it of a
     factor. `largest`: factor beyond which nothing is known, at least one; returned where it is
-    survived. The root is bracketed from the wind itself, at the logarithm 0, outwards.
+    survived. `tolerance`: of the logarithm of the factor, not below the relative error of the
+    requirement. The root is bracketed from the wind itself, at the logarithm 0, outwards.
     """
     from scipy.optimize import brentq
 
@@ -400,7 +405,7 @@ def survived_size(
         return float(np.log(ratio)) if 0.0 < ratio < np.inf else np.copysign(1.0, ratio - 1.0)
 
     first = -excess(0.0)  # logarithm of the factor if the requirement were in proportion
-    if abs(first) < _SIZE_TOLERANCE:
+    if abs(first) < tolerance:
         return 1.0
     most = float(np.log(largest))
     end = min(first, most)  # other end of the bracket
@@ -410,5 +415,5 @@ def survived_size(
         end *= 2.0
     if excess(end) < 0.0 < first:  # the largest factor tried is survived
         return float(np.exp(end))
-    root = brentq(excess, 0.0, end, xtol=_SIZE_TOLERANCE)
-    return float(np.exp(root - _SIZE_TOLERANCE))  # on the side that survives
+    root = brentq(excess, 0.0, end, xtol=tolerance)
+    return float(np.exp(root - tolerance))  # on the side that survives

@@ -61,6 +61,9 @@ _UNSEALED_IF_NONE = (
 """Inputs that a seal omits where they are None, so that seals of older studies are unchanged."""
 MOST_CASES = 20_000
 """Largest number of dispersed cases of a page; a campaign computes more."""
+_FLOWN_SIZE_TOLERANCE = 1e-5
+"""Tolerance of the logarithm of a factor on the wind that is flown, whose requirement is known to
+1/4096 of a step of its scan."""
 _MAX_SAMPLES = 100_000
 """Largest number of samples of a wind of flown margins: some thousand flights through it."""
 
@@ -174,7 +177,7 @@ class Findings:
                 return size * abs(float(flown.deflection))
             return np.inf
 
-        return survived_size(limit, required, requirement)
+        return survived_size(limit, required, requirement, tolerance=_FLOWN_SIZE_TOLERANCE)
 
     @property
     def seal(self) -> str:
