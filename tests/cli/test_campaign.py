@@ -217,3 +217,26 @@ def test_bad_options_are_one_sentence(place, arguments, message):
     result = run(*(names.get(word, word) for word in arguments))
     assert result.exit_code == 2
     assert message in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("outputs", "words"),
+    [
+        (["required"], "not counted here: rate limit and gains (tvclin study counts it)"),
+        (["required", "margins"], "not counted here: rate limit (tvclin study counts it)"),
+        (["required", "flight"], None),
+    ],
+)
+def test_what_the_outputs_of_a_campaign_leave_out_is_said(outputs, words):
+    options = {
+        "nozzle.rate_limit_deg_per_s": 0.2,
+        "autopilot.attitude_gain": 0.9,
+        "autopilot.rate_gain_s": 0.9,
+        "outputs.names": json.dumps(outputs),
+    }
+    settings = [word for key, value in options.items() for word in ("--set", key, value)]
+    result = run("configuration-i", "--limit-deg", 0.6, "--cases", 20, *settings)
+    said = " ".join(result.stderr.split())
+    assert result.exit_code == 1, result.output
+    assert ("not counted here" in said) == (words is not None), said
+    assert words is None or words in said, said

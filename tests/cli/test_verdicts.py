@@ -38,6 +38,25 @@ def run(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments))
 
 
+def test_a_limit_below_the_bound_of_an_autopilot_is_not_known_and_by_how_much_is_said():
+    """Between what the nominal and the peak pressure require of this autopilot nothing is known."""
+    limit = ("--limit-deg", "0.6", "--natural-frequency", "1.0")
+    first = " ".join(run("study", *WIND, *limit).stdout.partition("\n\n")[0].split())
+    numbers = re.match(
+        r"NOT KNOWN: the limit of 0\.600 deg is (\S+) deg .* short of the (\S+) deg that this"
+        r" autopilot requires, by the bound for a head wind;",
+        first,
+    )
+    assert numbers, first
+    short, required = map(float, numbers.groups())
+    assert required - short == pytest.approx(0.6, abs=1.5e-3)
+
+
+def test_a_rate_limit_in_the_budget_is_said_to_be_a_bound():
+    shown = run("ascent", *WIND, "--limit-deg", "0.6", *AT, "--rate-limit-deg", "0.2").output
+    assert "a bound: a law may survive with less" in " ".join(shown.split())
+
+
 def test_the_duty_over_a_flight_says_that_its_vehicle_is_frozen_where_ascent_varies_it():
     shown = run("nozzle", "--over", "flight", *WIND, "--limit-deg", "0.5", *AT).output
     said = " ".join(shown.split())

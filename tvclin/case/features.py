@@ -84,6 +84,8 @@ _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "nozzle without --law": (*_LAW, "sample rate", "gains", _WORK),
     "nozzle --over load without --law": (*_LAW, "sample rate", "gains"),
     "nozzle --over flight without the law autopilot": ("gains",),
+    "disperse without flights": ("rate limit",),
+    "disperse without flights and margins": _LOOP,
     "ascent without turbulence": tuple(feature for feature in _LOOP if feature != "rate limit"),
 }
 """Features that a question computes, but omits with or without these options."""

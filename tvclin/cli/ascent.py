@@ -91,6 +91,10 @@ _FIELDS = ("start", "stop", "every", "dead_bands", "varying")
 """Fields of `SizingRequest` that have an option."""
 _MAX_WIND_COLUMNS = 6
 """Largest number of winds with a column each, for the width of a terminal."""
+_OF_A_RAMP = (
+    "the rate limit adds what a ramp from zero needs more than a step, a bound: a law may survive"
+    " with less (tvclin nozzle --law trim flies one)"
+)
 SOURCE = (
     "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
     " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
@@ -206,6 +210,8 @@ class _Answer:
             notes = [f"flown by the autopilot: {flights.verdict}", *flights.notes]
             unknown = () if flights.use is None else flights.use.reasons
             notes += [f"autopilot requirement NOT KNOWN: {reason}" for reason in unknown]
+        if self.total.rate_limit is not None:
+            notes.append(_OF_A_RAMP)
         of_turbulence = () if self.turbulence is None else (*self._share, *self.turbulence.notes)
         return [*notes, *of_turbulence, *self.notes_of_request]
 

@@ -209,7 +209,10 @@ def _campaign(
             campaign = replace(campaign, wind=wind)
         else:
             campaign = _in_soundings(campaign, winds, source)
-    note_omissions(campaign, "disperse", tables=source_tables(source))
+    outputs = {"flight", "flown", "margins"} & set(campaign.outputs)
+    lacking = {(): " without flights and margins", ("margins",): " without flights"}
+    question = f"disperse{lacking.get(tuple(outputs), '')}"
+    note_omissions(campaign, "disperse", question, tables=source_tables(source))
     return campaign
 
 

@@ -13,7 +13,7 @@ import typer
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed, quantities, text
-from tvclin.base.quantities import NOMINAL, satisfaction
+from tvclin.base.quantities import NOMINAL, satisfaction, survival
 from tvclin.case.flexible_autopilot import gain_notes
 from tvclin.cli.inputs import FROZEN, case_of, note_omissions, note_single_time, only_with
 from tvclin.cli.options import (
@@ -44,7 +44,12 @@ from tvclin.control.margins.criteria import Criteria, Judgement, band_table, mar
 from tvclin.control.margins.loop import SampledLoop, poles_in_s
 from tvclin.control.margins.margins import Margins
 from tvclin.design.gain_designs import specified_autopilot
-from tvclin.flights.closed_loop.flown_margins import FlownMargins, flown_margins, flown_table
+from tvclin.flights.closed_loop.flown_margins import (
+    FlownMargins,
+    LostFlightError,
+    flown_margins,
+    flown_table,
+)
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.system_file import write_system
 from tvclin.studyfile.read import is_flight
@@ -288,7 +293,8 @@ def margins(
 
     --system writes the loop, opened at the nozzle's command, with the sign of 1 + L = 0.
 
-    Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
+    Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop, or the flight is NOT
+    SURVIVED before anything changes; 2: bad input.
     """
     one_of("--chart", chart, _CHARTS)
     flown = bool(limit.values)
@@ -320,13 +326,16 @@ def margins(
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """Margins of a loop, of its detuned modes, and of its flights in a wind with a limit."""
+    """Margins of a loop, of its detuned modes, and of its flights in a wind with a limit.
+
+    `in_wind` is the error where the flight is lost before anything changes.
+    """
 
     case: StudyPlan
     margins: JudgedMargins
     wind: str
     detuned: Detuned | None
-    in_wind: FlownMargins | None
+    in_wind: FlownMargins | LostFlightError | None
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -346,8 +355,18 @@ class _Answer:
 
     @property
     def satisfied(self) -> bool:
-        """Whether the criteria are satisfied, with detuned modes too."""
-        return self.margins.satisfied and (self.detuned is None or bool(self.detuned.all_satisfied))
+        """Whether the criteria are satisfied, with detuned modes too, and no flight is lost."""
+        detuned = self.detuned is None or bool(self.detuned.all_satisfied)
+        return self.margins.satisfied and detuned and not self._lost
+
+    @property
+    def _lost(self) -> tuple[str, ...]:
+        """The verdict on a flight that is lost before anything changes; else empty."""
+        if not isinstance(self.in_wind, LostFlightError):
+            return ()
+        return (
+            f"{survival(False)} with {degrees(self.case.nozzle.limit or 0.0):g} deg, {NOMINAL}",
+        )
 
     def document(self) -> dict[str, Any]:
         """Return the document of the answer for JSON."""
@@ -356,12 +375,12 @@ class _Answer:
         further = {
             "wind": self.in_wind and wind,
             "detuned": self.detuned,
-            "flown": self.in_wind,
+            "flown": None if self._lost else self.in_wind,
         }
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         more = {name: value for name, value in further.items() if value is not None}
         margins = margins_document(self.margins)
-        return head | margins | more | {"notes": (*margins["notes"], *self.notes)}
+        return head | margins | more | {"notes": (*margins["notes"], *self._lost, *self.notes)}
 
     def print(self, source: str, more: bool) -> None:
         """Print the verdict, the margins, notes and, with `more`, the autopilot and its bounds.
@@ -375,7 +394,10 @@ class _Answer:
         if self.detuned is not None:
             verdict += f"; with detuned modes: {self.detuned.verdict}"
             tables.append(self.detuned.table())
-        if self.in_wind is not None:
+        if isinstance(self.in_wind, LostFlightError):
+            verdict = "; ".join((verdict, *self._lost))
+            notes = [self.in_wind.sentence, *notes]
+        elif self.in_wind is not None:
             title = (
                 f"In this {wind_words(self.wind, case)}, {NOMINAL}, with a limit of"
                 f" {degrees(case.nozzle.limit or 0.0):g} deg,"
@@ -400,15 +422,19 @@ class _Answer:
         print_answer(verdict, *tables, notes=notes, more=more, details=details)
 
 
-def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins:
+def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins | LostFlightError:
     """Return the flown margins of a case and its autopilot, sampled with a computer's delay.
 
     The hardware of the case is sample rate, delay, actuator and rate limit of the flights; its
-    deflection limit [rad] is the stop of the law.
+    deflection limit [rad] is the stop of the law. Of a flight that is lost before anything changes,
+    return the error.
     """
     limit, law = case.nozzle.limit, SaturatedLaw.of(autopilot)
     assert limit is not None  # by --limit-deg
-    return flown_margins(case.plant, law, case.history, limit=limit, **case.hardware)
+    try:
+        return flown_margins(case.plant, law, case.history, limit=limit, **case.hardware)
+    except LostFlightError as error:
+        return error
 
 
 def _chart(name: str, margins: JudgedMargins) -> "ControlPlot":

@@ -246,7 +246,7 @@ def _rate(findings: Findings) -> Question:
         yes = _also(yes, trade_off.above_lower_bound)
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
-    words = "by the larger of both lower bounds with this limit"
+    words = "by the larger of both lower bounds with this limit; a law may require more"
     if np.isinf(trade_off.required_rate):
         words = "with this limit no rate is sufficient"
     elif yes is None and trade_off.rate_limit is not None:

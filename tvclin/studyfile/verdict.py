@@ -45,6 +45,8 @@ def sentence(findings: Findings) -> Line:
         subject, line = None, _required(findings.study)
     elif limit is not None and subject is not None and (failed or not unknown):
         line = _limit_against(subject, limit, not failed)
+    elif limit is not None and subject is not None and limit < subject.required_deflection < np.inf:
+        line = _limit_against(subject, limit, None)
     else:
         subject = judged[0]
         line = _answered(subject, limit)
@@ -115,11 +117,12 @@ def _required(study: Study) -> Line:
     return ("This wind requires ", *required, " of deflection")
 
 
-def _limit_against(worst: Question, limit: float, sufficient: bool) -> Line:
+def _limit_against(worst: Question, limit: float, sufficient: bool | None) -> Line:
     """Return the verdict on a limit [rad]: its surplus over a requirement, or its deficit.
 
-    `worst`: question with the requirement. `sufficient`: whether the limit covers it. A requirement
-    of zero, or infinite, has its own sentence. The difference is in deg, and in percent of the
+    `worst`: question with the requirement. `sufficient`: whether the limit covers it; None where
+    the requirement is a bound below which that is not known. A requirement of zero, or infinite,
+    has its own sentence. The difference is in deg, and in percent of the
     requirement up to `_MAX_PERCENT`.
     """
     if not worst.required_deflection:

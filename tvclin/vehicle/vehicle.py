@@ -283,9 +283,9 @@ _MAX_SLOPE_TIMES_LENGTH = 100.0
 def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
     """Yield warnings on implausible numbers of a vehicle or a batch, without full stops.
 
-    They concern a thrust far below or above the weight, a velocity above that of escape, an
-    inertia and slopes of modes in another unit, and a centre of pressure behind the centre of
-    gravity.
+    They concern a thrust far below or above the weight, or below the axial force, a velocity above
+    the escape velocity, an inertia and slopes of modes in another unit, and a centre of pressure
+    behind the centre of gravity.
     """
     ratio = np.asarray(vehicle.thrust) / vehicle.weight
     arm = np.asarray(vehicle.aerodynamic_arm)
@@ -295,6 +295,11 @@ def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
         yield (
             f"thrust is far above weight (T/W {ratio.max():.2g}): if the weight is a mass, write it"
             " as mass_kg, mass_lb or mass_slug"
+        )
+    if np.any(np.asarray(vehicle.axial_force) > vehicle.thrust):
+        yield (
+            f"the axial force F_A is larger than the thrust ({np.max(vehicle.axial_force):.4g} N):"
+            " the vehicle slows down, and its unit or coefficient may be wrong"
         )
     if np.any(np.asarray(vehicle.velocity) > _MAX_VELOCITY):
         yield (

@@ -57,6 +57,20 @@ CHANGES = tuple(_CHANGES)
 _CAUSES = {"lost": "is lost", "rings": "rings near rest", UNDECIDED: "neither lost nor settled"}
 
 
+class LostFlightError(InputError):
+    """Error of a deflection limit with which the flight is lost before anything changes.
+
+    `limit`: the deflection limit [rad]. `needs`: what the unchanged flight needs, as "1.5 deg".
+    """
+
+    def __init__(self, limit: float, needs: str) -> None:
+        self.sentence = f"the unchanged flight needs {needs}"
+        super().__init__(
+            "limit must be one with which the unchanged flight survives: this needs"
+            f" {needs}; got {np.degrees(limit):.4g} deg"
+        )
+
+
 class LinearMargins(NamedTuple):
     """Margins of the loop in its linear range: gain factors above one, and a delay [s]."""
 
@@ -257,8 +271,10 @@ def flown_margins(
     Raises
     ------
     InputError
-        In the same cases as `closed_loop_boundary`; for a law with noise, a limit with which the
-        nominal flight is lost, and a nominal loop that is unstable in its linear range.
+        In the same cases as `closed_loop_boundary`; for a law with noise, and a nominal loop that
+        is unstable in its linear range.
+    LostFlightError
+        An `InputError`, for a limit with which the nominal flight is lost.
 
     Notes
     -----
@@ -318,11 +334,8 @@ def flown_margins(
     if flights.survive("gain_rise", np.ones(1))[0] != SURVIVED:
         known = boundary.limit < np.inf
         required_deg = np.degrees(scale * (boundary.limit if known else highest))
-        raise InputError(
-            "limit must be one with which the unchanged flight survives: this needs"
-            f" {'' if known else 'more than '}{required_deg:.4g} deg; got {np.degrees(level):.4g}"
-            " deg"
-        )
+        needs = f"{'' if known else 'more than '}{required_deg:.4g} deg"
+        raise LostFlightError(level, needs)
     # changes at which the loop in its linear range becomes unstable: four factors, a delay [s]
     names = ("gain", "effectiveness")
     factors = [factor for name in names for factor in linear_gain_margins(flight, name, pole)]
