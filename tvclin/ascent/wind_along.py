@@ -325,6 +325,20 @@ class SoundingWind(VehicleWind):
             raise InputError(f"the wind of {self.name} is calm at {time:g} s, {_TIME}")
         return history if self.in_flight else history.shift(-float(history.onset))
 
+    def largest_pressure(self, vehicle: Any, plane: str) -> float:
+        """Return the largest ratio q/q_n that a vehicle encounters while its history lasts.
+
+        q/q_n is the dynamic pressure over the nominal one, of the wind of both planes with its
+        gust. `vehicle`: has the time of flight. `plane`: plane of the history, pitch or yaw.
+        """
+        wind = self._along(plane)
+        history = wind(complete_vehicle(vehicle, "a sounding"))
+        assert wind.speeds is not None
+        times = np.union1d(history.probe_times(), wind.speeds.time)
+        times = times[(times >= history.onset) & (times < history.end)]
+        _, ratio = FlightWind(history, plane, wind.speeds).at(times[np.newaxis])
+        return float(ratio.max())
+
     def notes(self, vehicle: Any, plane: str) -> Iterator[str]:
         """Yield notes on the sounding, and one where it ends within the window of a vehicle.
 

@@ -36,6 +36,7 @@ from tvclin.cli.margins import (
 )
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_answer, print_json, print_tables, say
+from tvclin.cli.wind import wind_direction
 from tvclin.control.comparison import (
     TrimComparison,
     WorstDuration,
@@ -306,6 +307,11 @@ class AutopilotFlight:
         return beyond_linear(float(self.compared.wind.peak)) or beyond_linear(attack, ATTACK)
 
     @property
+    def direction(self) -> str:
+        """The direction of the wind that sets the requirement: head, tail or cross."""
+        return wind_direction(self.case) if self.required is None else self.required.direction
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Notes on the wind angle and angle of attack, the loop, the flight and the gains."""
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
@@ -441,8 +447,8 @@ class AutopilotFlight:
             if stable:
                 uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"
                 say(
-                    "In a head wind the requirement is that at the pressure of the peak; the"
-                    f" autopilot uses {uses}."
+                    "In a head or cross wind the requirement is that at the pressure of the peak;"
+                    f" the autopilot uses {uses}."
                 )
                 print_tables(
                     quantities("In this wind", [*self.compared.motions(), *self._further_rows()])
@@ -472,8 +478,11 @@ class AutopilotFlight:
         """
         word, worst, limit = sufficiency(self.sufficient), self.worst, self.limit or 0.0
         if self.sufficient is None:
-            bound = f"sufficient {NOMINAL}, and below the bound for a head wind"
-            reason = bound if self.requirement is not None else self.reason
+            reason = self.reason
+            if self.requirement is not None:
+                bound = f"and below the bound for a {self.direction} wind"
+                known = self.requirement.head is not None
+                reason = f"sufficient {NOMINAL}, {bound if known else 'not known at another'}"
             reason = self.unknown_reason or self.linear.unknown_wind or reason
             if self.flight is None or reason not in self.flight.verdict:
                 word += f", {reason}"
@@ -495,11 +504,8 @@ class AutopilotFlight:
         nominal = f"{degrees(self.requirement.nominal_deflection):.3f} deg"
         if self.requirement.head is None:
             return f"{nominal} {NOMINAL}"
-        bound, wind = (
-            degrees(self.requirement.deflection),
-            self.required and self.required.direction,
-        )
-        return f"{bound:.3f} deg at the peak pressure of a {wind} wind, {nominal} at nominal"
+        bound = f"{degrees(self.requirement.deflection):.3f} deg"
+        return f"{bound} at the peak pressure of a {self.direction} wind, {nominal} at nominal"
 
     def _further_rows(self) -> Iterator[Row]:
         """Yield the loads, which take a complete vehicle, and the worst duration of the wind."""

@@ -282,13 +282,13 @@ def winds_in_flight(plan: StudyPlan) -> dict[str, StudyPlan]:
     """
     if isinstance(plan.wind, SoundingWind):
         plan = replace(plan, wind=replace(plan.wind, in_flight=True))
-        return {_direction(plan): plan}
+        return {wind_direction(plan): plan}
     pulse = pulse_of(plan)
     time = complete_vehicle(plan.vehicle, "a flight in its own time").time
     middle = 0.0 if time is None else float(time)
     wind = plan.history.shift(middle - 0.5 * pulse.duration)
     if plan.plane != "pitch" or pulse.heading is not None:
-        return {_direction(plan): replace(plan, wind=wind)}
+        return {wind_direction(plan): replace(plan, wind=wind)}
     # the sign of the peak by direction, head and tail
     signs = {plan.sign: SIGNS[plan.sign]} if plan.sign in SIGNS else SIGNS
     return {
@@ -297,7 +297,7 @@ def winds_in_flight(plan: StudyPlan) -> dict[str, StudyPlan]:
     }
 
 
-def _direction(plan: StudyPlan) -> str:
+def wind_direction(plan: StudyPlan) -> str:
     """Return the direction of the wind of a plan by the plane and the sign of its peak."""
     if plan.plane != "pitch":
         return CROSS

@@ -2,7 +2,8 @@
 
 It is flown as it is modelled, with samples, delay, actuator, filters, bending and rate limit: at
 nominal dynamic pressure and, where a head wind sets the required deflection, also at the pressure
-of its peak, constant throughout, which is an upper bound of what it encounters.
+of its peak, constant throughout, which is an upper bound of what it encounters. In a measured wind
+it is also flown at the largest pressure of that, where it is above the nominal one.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from tvclin.requirement.case_requirement import CaseRequirement
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import at_pressure
+from tvclin.winds.shaped import ShapedWind
 
 AnyCase = TypeVar("AnyCase", bound=Case)
 
@@ -35,9 +37,11 @@ class AutopilotRequirement:
     nominal : ClosedLoopBoundary
         Boundary of the autopilot at nominal dynamic pressure.
     head : ClosedLoopBoundary or None
-        Boundary at the dynamic pressure at the peak of a head wind; None where that does not count.
+        Boundary at the dynamic pressure at the peak of a head wind, or the largest of a measured
+        wind; None where that does not count.
     head_counts : bool
-        Whether a head wind sets the required deflection; without `head` no limit is known then.
+        Whether a head wind sets the required deflection, or a measured wind raises the pressure;
+        without `head` no limit is known then.
     plane_ratio : float
         Limit of both planes over the part that this plane has.
     """
@@ -77,33 +81,50 @@ def autopilot_requirement(
     """Return the autopilot requirement of a case, in its plane alone.
 
     `plant` and `autopilot` are what flies; `need` is the requirement of the case, None where it has
-    none, as in a sounding, whose requirement is that at nominal dynamic pressure. `InputError` for
-    a law or hardware that cannot be flown, as of `closed_loop_boundary`.
+    none, as in a measured wind. `InputError` for a law or hardware that cannot be flown, as of
+    `closed_loop_boundary`.
     """
-    return AutopilotRequirement(
-        nominal=autopilot_boundary(case, plant, autopilot),
-        head=head_wind_boundary(case, autopilot, need),
-        head_counts=counts_head(need),
-    )
+    nominal = autopilot_boundary(case, plant, autopilot)
+    if need is None and not isinstance(case.wind, ShapedWind):
+        head, head_counts = _measured_boundary(case, autopilot)
+    elif need is None:
+        head, head_counts = None, False
+    else:
+        head, head_counts = head_wind_boundary(case, autopilot, need), counts_head(need)
+    return AutopilotRequirement(nominal=nominal, head=head, head_counts=head_counts)
 
 
-def counts_head(need: CaseRequirement | None) -> bool:
-    """Return whether a head wind sets the required deflection, or may set it.
+def _measured_boundary(case: Case, autopilot: Autopilot) -> tuple[ClosedLoopBoundary | None, bool]:
+    """Return the boundary of an autopilot at the largest pressure of a measured wind, if it counts.
 
-    `need`: requirement of the wind; None where none is defined, and no direction counts.
+    The second result says whether it counts: whether the pressure in the wind of `case` is above
+    the nominal one, or not known. The boundary is None where it does not, and where it is unknown.
     """
-    return need is not None and (need.ratio_to_nominal > 1.0 or bool(need.unknown))
+    from tvclin.requirement.encountered_requirement import largest_measured_pressure  # late
+
+    with suppress(InputError):  # the dynamic pressure in the wind is not known
+        ratio = largest_measured_pressure(case)
+        if ratio <= 1.0:
+            return None, False
+        denser = _at_pressure_ratio(case, ratio)
+        return autopilot_boundary(denser, denser.plant, autopilot), True
+    return None, True
+
+
+def counts_head(need: CaseRequirement) -> bool:
+    """Return whether a head wind sets the required deflection `need`, or may set it."""
+    return need.ratio_to_nominal > 1.0 or bool(need.unknown)
 
 
 def head_wind_boundary(
-    case: Case, autopilot: Autopilot, need: CaseRequirement | None, plane_ratio: float = 1.0
+    case: Case, autopilot: Autopilot, need: CaseRequirement, plane_ratio: float = 1.0
 ) -> ClosedLoopBoundary | None:
     """Return the boundary of an autopilot at the peak of a head wind; None if not flown.
 
-    `need`: requirement of the wind of `case`; None where none is defined. `plane_ratio`: limit of
-    both planes over that of this plane. None also where the dynamic pressure is not known.
+    `need`: requirement of the wind of `case`. `plane_ratio`: limit of both planes over that of this
+    plane. None also where the dynamic pressure is not known.
     """
-    if need is None or not counts_head(need):
+    if not counts_head(need):
         return None
     with suppress(InputError):  # the dynamic pressure in the wind is not known
         denser = at_peak_pressure(case, need)
@@ -132,10 +153,22 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 
-    if case.plant_system is not None:
-        raise InputError("a plant in state space is known at nominal dynamic pressure alone")
+    _check_plant(case)
     if need.unknown:
         raise InputError(need.unknown)
+    rigid = complete_vehicle(case.vehicle, "a head wind").rigid
+    ratio = largest_pressure(need.placed, rigid, need.plane, need.direction, size)
+    return _at_pressure_ratio(case, ratio)
+
+
+def _at_pressure_ratio(case: AnyCase, ratio: float) -> AnyCase:
+    """Return a case at `ratio` times its dynamic pressure; `InputError` as `at_peak_pressure`."""
+    _check_plant(case)
     complete = complete_vehicle(case.vehicle, "a head wind")
-    ratio = largest_pressure(need.placed, complete.rigid, need.plane, need.direction, size)
     return replace(case, vehicle=at_pressure(complete, ratio))
+
+
+def _check_plant(case: Case) -> None:
+    """Raise `InputError` for a plant in state space, which has no other dynamic pressure."""
+    if case.plant_system is not None:
+        raise InputError("a plant in state space is known at nominal dynamic pressure alone")

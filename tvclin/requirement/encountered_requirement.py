@@ -25,9 +25,9 @@ from tvclin.requirement.time_varying import (
 )
 from tvclin.requirement.varying_equations import Equations
 from tvclin.vehicle.coefficients import PLANES
-from tvclin.vehicle.linear_vehicle import complete_vehicle
+from tvclin.vehicle.linear_vehicle import LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History
+from tvclin.winds.histories import History, VehicleWind
 from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
 from tvclin.winds.wind_angles import (
     CROSS,
@@ -219,6 +219,24 @@ def largest_pressure(
     # the equations set the steps alone: the ratio is that of the wind triangle
     equations = Equations.frozen(vehicle, "fixed-path", plane)
     _times, _wind, ratio = encountered_at_steps(equations, encountered)
+    return float(ratio.max())
+
+
+def largest_measured_pressure(case: Case) -> float:
+    """Return the largest ratio q/q_n of dynamic pressures in the measured wind of a case.
+
+    One where the case specifies the nominal dynamic pressure, and for a vehicle of which speed and
+    attitude are not known. Angles of a history have their own sign, negative for a head wind.
+    `InputError` for the sign of a measured wind, and for a path on which no horizontal wind has the
+    angle.
+    """
+    if isinstance(case.vehicle, LinearVehicle) or not uses_encountered_pressure(case.sign):
+        return 1.0
+    if isinstance(case.wind, VehicleWind):
+        return case.wind.largest_pressure(case.vehicle, case.plane)
+    encountered = _of_ensemble(case.history, case.vehicle, case.plane)
+    encountered.check_possible()
+    _, ratio = encountered.at(encountered.history.probe_times()[np.newaxis])
     return float(ratio.max())
 
 

@@ -468,3 +468,10 @@ class VehicleWind(ABC):
         `vehicle`, `plane`: as in `history`.
         """
         return ""
+
+    @abstractmethod
+    def largest_pressure(self, vehicle: Any, plane: str) -> float:
+        """Return the largest dynamic pressure in the wind over the nominal one, q/q_n.
+
+        `vehicle`, `plane`: as in `history`.
+        """
