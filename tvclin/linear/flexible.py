@@ -188,12 +188,7 @@ class FlexiblePlant(Shown, WithCoefficients):
     def with_effectiveness(self, factor: ArrayLike) -> FlexiblePlant:
         """Return the plant with control moment and control force multiplied by `factor`.
 
-        The inertia of its engine stays.
-
-        Raises
-        ------
-        InputError
-            For a factor that is not positive.
+        The inertia of its engine stays. `InputError` for a factor that is not positive.
         """
         multiple = errors.positive("factor", factor)
         with np.errstate(over="ignore"):  # an overflow is refused below
@@ -259,10 +254,7 @@ class FlexiblePlant(Shown, WithCoefficients):
     def ss(self) -> control.StateSpace:
         """Return the whole plant as `control.StateSpace` with named signals [rad, rad/s].
 
-        Raises
-        ------
-        InputError
-            For a batch.
+        `InputError` for a batch.
         """
         return self.system.to_control(f"{self.model}, flexible")
 
@@ -275,13 +267,8 @@ class FlexiblePlant(Shown, WithCoefficients):
         """Return the relative change of the fast pole and of the trim per wind angle [percent].
 
         The fast pole is the fastest unstable pole; the trim is the deflection per wind angle that
-        cancels the effect of the wind on this mode. The open-loop theory has these two numbers
-        from the rigid vehicle.
-
-        Raises
-        ------
-        InputError
-            For a rigid vehicle without an unstable mode.
+        cancels the effect of the wind on this mode. The open-loop theory has these two numbers from
+        the rigid vehicle. `InputError` for a rigid vehicle without an unstable mode.
 
         Notes
         -----

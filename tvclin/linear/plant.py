@@ -218,10 +218,7 @@ class Plant(WithCoefficients):
     def with_effectiveness(self, factor: ArrayLike) -> Plant:
         """Return the plant with control moment and control force multiplied by `factor`.
 
-        Raises
-        ------
-        InputError
-            For a factor that is not positive.
+        `InputError` for a factor that is not positive.
         """
         c, multiple = self.coefficients, positive("factor", factor)
         with np.errstate(over="ignore"):  # an overflow is refused below
@@ -259,17 +256,9 @@ class Plant(WithCoefficients):
     def numerator(self, output: str, input: str) -> FloatArray:
         """Return the numerator from `input` to `output`, over the common denominator.
 
-        Shape ``(..., k)``, coefficients with the highest power of s first.
-
-        Parameters
-        ----------
-        output, input : str
-            Names of the signals, of `outputs` and of `inputs`.
-
-        Raises
-        ------
-        InputError
-            For an output or an input that the model does not have.
+        Shape ``(..., k)``, coefficients with the highest power of s first. `output`, `input`: names
+        of the signals, of `outputs` and of `inputs`; `InputError` for one that the model does not
+        have.
         """
         one_of("output", output, _OUTPUTS)
         if output not in self.outputs:
@@ -300,11 +289,7 @@ class Plant(WithCoefficients):
         """Return N_deflection(p), N_wind(p) of the attitude and D'(p) at poles, each ``(..., N)``.
 
         N are the numerators, from deflection and wind, and D' is the slope of the denominator.
-
-        Parameters
-        ----------
-        poles : ndarray
-            Poles of the plant [1/s], ``(..., N)``; NaN stays NaN.
+        `poles`: poles of the plant [1/s], ``(..., N)``; NaN stays NaN.
         """
         from_deflection, from_wind = (
             polynomials.value(self.numerator("attitude", i), poles) for i in INPUTS
@@ -402,13 +387,8 @@ class Plant(WithCoefficients):
         """Return the whole plant as `control.StateSpace` with named signals.
 
         Inputs deflection and wind [rad]; outputs as `outputs` [rad, rad/s]. The states are the
-        attitude, its rate, the flight path angle, and in "drift-and-speed" the change of speed
-        over the nominal speed, V/V_n.
-
-        Raises
-        ------
-        InputError
-            For a batch.
+        attitude, its rate, the flight path angle, and in "drift-and-speed" the change of speed over
+        the nominal speed, V/V_n. `InputError` for a batch.
         """
         return self.system.to_control(self.model)
 
@@ -420,19 +400,11 @@ class Plant(WithCoefficients):
     def lateral_rows(self, signal: str, station: float) -> tuple[FloatArray, FloatArray]:
         """Return the rows of C ``(..., n)`` and D ``(..., inputs)`` of a lateral signal.
 
-        Parameters
-        ----------
-        signal : {"drift_rate", "acceleration"}
-            Velocity normal to the nominal path, V gamma [m/s]; or the acceleration that a
-            body-mounted accelerometer measures, (N alpha + T_c delta)/m + x theta'' [m/s^2].
-        station : float
-            Position x of the accelerometer ahead of the centre of gravity [m].
-
-        Raises
-        ------
-        InputError
-            For coefficients without velocity, a model without flight path angle (drift rate), and
-            a vehicle with mu_alpha = 0.
+        `signal`: "drift_rate", the velocity normal to the nominal path, V gamma [m/s]; or
+        "acceleration", which a body-mounted accelerometer measures, (N alpha + T_c delta)/m + x
+        theta'' [m/s^2]. `station`: position x of the accelerometer ahead of the centre of gravity
+        [m]. `InputError` for coefficients without velocity, a model without flight path angle
+        (drift rate), and a vehicle with mu_alpha = 0.
         """
         station = number("station", station, STATION_RANGE, "m")
         A, B, C, D = self.matrices()
@@ -548,12 +520,8 @@ class Plant(WithCoefficients):
 
         From the flight path equation gamma' + h gamma = a theta + .. of the model, with a and h in
         1/s: (p + h + q/p) gamma = a theta, q [1/s^2] being the gravity term of "drift-and-speed".
-        The angle of attack of the mode is the remainder of its attitude.
-
-        Parameters
-        ----------
-        poles : ndarray
-            Poles of the plant [1/s], ``(..., N)``.
+        The angle of attack of the mode is the remainder of its attitude. `poles`: poles p of the
+        plant [1/s], ``(..., N)``.
         """
         path = self._path
         gravity_term = self.coefficients.q if self.model == "drift-and-speed" else 0.0

@@ -247,12 +247,8 @@ class SystemPlant(Plant):
     def with_effectiveness(self, factor: ArrayLike) -> SystemPlant:
         """Return the plant with `factor` on the forces and moments of the deflection.
 
-        The first columns of B and D are multiplied; the inertia of the engine stays.
-
-        Raises
-        ------
-        InputError
-            For a factor that is not positive.
+        The first columns of B and D are multiplied; the inertia of the engine stays. `InputError`
+        for a factor that is not positive.
         """
         multiple, system = positive("factor", factor), self._system
         with np.errstate(over="ignore"):  # an overflow is refused below
@@ -294,20 +290,9 @@ class SystemPlant(Plant):
 
         The signal is the output drift_rate [m/s] or lateral_acceleration [m/s^2], at the station of
         its own sensor; without an output drift_rate it is the speed of the coefficients times the
-        flight_path_angle.
-
-        Parameters
-        ----------
-        signal : {"drift_rate", "acceleration"}
-            The signal, as in `Plant.lateral_rows`.
-        station : float
-            Position of the accelerometer [m], without effect here.
-
-        Raises
-        ------
-        InputError
-            For an output that the plant does not have, and a drift rate that follows the
-            deflection at once.
+        flight_path_angle. `signal`: "drift_rate" or "acceleration". `station`: position of the
+        accelerometer [m], without effect here. `InputError` for an output that the plant does not
+        have, and a drift rate that follows the deflection at once.
         """
         name, factor = self._lateral_output(signal, station)
         k = self.outputs.index(name)
@@ -320,8 +305,9 @@ class SystemPlant(Plant):
     def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
         """Return the numerator from `input` to a lateral signal, highest power of s first.
 
-        Shape ``(..., k)``. `signal`, `station`: as in `lateral_rows`. Same exceptions as
-        `lateral_rows` and `numerator`.
+        Shape ``(..., k)``. `signal`: "drift_rate" [m/s] or "acceleration" [m/s^2]. `station`:
+        position of the accelerometer [m], without effect here. `InputError` for an output that the
+        plant does not have, and for an order above eight.
         """
         name, factor = self._lateral_output(signal, station)
         return factor * self.numerator(name, input)
@@ -484,13 +470,8 @@ class SystemPlant(Plant):
 
         It follows from the Markov parameters D, C B, C A B, ..., the coefficients of the transfer
         function in 1/s: times the denominator they are the numerator. Shape ``(..., k)``, highest
-        power first, without leading zeros.
-
-        Raises
-        ------
-        InputError
-            For an output or an input that the plant does not have, and a plant of an order above
-            eight.
+        power first, without leading zeros. `InputError` for an output or an input that the plant
+        does not have, and a plant of an order above eight.
         """
         one_of("output", output, self.outputs)
         one_of("input", input, self.inputs)

@@ -167,14 +167,8 @@ class Coefficients(Record):
     def from_beta(cls, *, beta: Real, B: Real, **others: Any) -> Self:
         """Return the coefficients with mu_alpha = beta^2 and mu_delta = beta^2/B.
 
-        Parameters
-        ----------
-        beta : array_like
-            Vehicle response parameter [1/s], positive, eq (B4).
-        B : array_like
-            Trim deflection per angle of attack, not zero, eq (2).
-        **others
-            C1, C2, b1, b2, q, damping and name, as in `Coefficients`.
+        `beta`: vehicle response parameter [1/s], positive, eq (B4). `B`: trim deflection per angle
+        of attack, not zero, eq (2). `others`: C1, C2, b1, b2, q, damping, velocity and name.
         """
         beta, B = errors.positive("beta", beta, "1/s"), errors.nonzero("B", B)
         errors.within("beta", beta, 0.0, _MAX_COEFFICIENT**0.5, "1/s")
@@ -203,10 +197,7 @@ class Coefficients(Record):
     def beta(self) -> Real:
         """Vehicle response parameter beta [1/s], eq (B4).
 
-        Raises
-        ------
-        InputError
-            For an aerodynamically stable vehicle (mu_alpha <= 0), which has no such pole.
+        `InputError` for an aerodynamically stable vehicle (mu_alpha <= 0), which has no such pole.
         """
         if np.any(np.asarray(self.mu_alpha) <= 0.0):
             raise errors.InputError(
@@ -220,12 +211,8 @@ class Coefficients(Record):
     def pole(self) -> Real:
         """Unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
 
-        It is beta without damping, and smaller with it; the other pole is -(p + damping).
-
-        Raises
-        ------
-        InputError
-            As `beta`.
+        It is beta without damping, and smaller with it; the other pole is -(p + damping). Same
+        exceptions as `beta`.
         """
         beta, half = np.asarray(self.beta), np.asarray(self.damping) / 2.0
         # the positive root of p^2 + damping p - mu_alpha, without a difference of close numbers
@@ -250,10 +237,7 @@ class Coefficients(Record):
 
         -b2 and -b1 [1/s] are the zeros of the attitude from wind and from deflection, eq (B7).
 
-        Raises
-        ------
-        InputError
-            As `beta`.
+        Same exceptions as `beta`.
         """
         return (self.pole + self.b2) / (self.pole + self.b1)
 

@@ -116,12 +116,7 @@ class Filter(Record):
     def low_pass(cls, frequency: ArrayLike, damping: ArrayLike | None = None) -> Self:
         """Return the lag w^2/(s^2 + 2 zeta w s + w^2), or w/(s + w) without a damping.
 
-        Parameters
-        ----------
-        frequency : array_like
-            w [rad/s], positive.
-        damping : array_like, optional
-            zeta, positive.
+        `frequency`: w [rad/s], positive. `damping`: zeta, positive.
         """
         w = _bounded_positive("frequency", frequency, "rad/s")
         if damping is None:
@@ -134,13 +129,9 @@ class Filter(Record):
     def lead_lag(cls, zero: ArrayLike, pole: ArrayLike) -> Self:
         """Return (1 + s/zero)/(1 + s/pole), of unit steady gain.
 
-        Parameters
-        ----------
-        zero : array_like
-            Corner frequency of the numerator [rad/s], not zero. Above the pole it is a lag,
-            below it a lead; negative is a zero in the right half plane.
-        pole : array_like
-            Corner frequency of the denominator [rad/s], positive.
+        `zero`: corner frequency of the numerator [rad/s], not zero; above the pole it is a lag,
+        below it a lead; negative is a zero in the right half plane. `pole`: corner frequency of the
+        denominator [rad/s], positive.
         """
         z, p = nonzero("zero", zero, "rad/s"), _bounded_positive("pole", pole, "rad/s")
         _bounded_positive("zero", np.abs(z), "rad/s")
@@ -151,14 +142,9 @@ class Filter(Record):
     def notch(cls, frequency: ArrayLike, zero_damping: ArrayLike, pole_damping: ArrayLike) -> Self:
         """Return (s^2 + 2 zeta_z w s + w^2)/(s^2 + 2 zeta_p w s + w^2).
 
-        Parameters
-        ----------
-        frequency : array_like
-            w [rad/s], positive. The gain there is zeta_z/zeta_p.
-        zero_damping : array_like
-            zeta_z; zero removes the frequency entirely, and a negative value shapes the phase.
-        pole_damping : array_like
-            zeta_p, positive; the notch is about 2 zeta_p w wide.
+        `frequency`: w [rad/s], positive, where the gain is zeta_z/zeta_p. `zero_damping`: zeta_z;
+        zero removes the frequency entirely, and a negative value shapes the phase. `pole_damping`:
+        zeta_p, positive; the notch is about 2 zeta_p w wide.
         """
         w = _bounded_positive("frequency", frequency, "rad/s")
         poles = _bounded_positive("pole_damping", pole_damping)

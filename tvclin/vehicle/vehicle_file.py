@@ -222,7 +222,14 @@ def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle
     weight, and sources of the damping in place of pitch_damping. `InputError` for a missing key.
     """
     table = replace(VEHICLE_TABLE, heading=heading)
-    values = _with_weight(damping_of(table.read(row), table), table)
+    values = damping_of(table.read(row), table)
+    if "mass" not in values and "weight" not in values:
+        weight, mass = table.spelled("weight"), table.spelled("mass")
+        raise InputError(f"a key is missing in {table.heading}: {weight}, or {mass}")
+    if "mass" in values:
+        if "weight" in values:
+            raise InputError(f"{table.heading} has both a weight and a mass; keep one")
+        values["weight"] = values.pop("mass") * STANDARD_GRAVITY
     table.need(values, _REQUIRED)
     aerodynamic = values.keys() & _AERODYNAMICS  # dynamic pressure, area, coefficients
     table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
@@ -259,26 +266,6 @@ def numbers_as_written(source: str | PathLike[str]) -> dict[str, tuple[float, st
     vehicle = tables.get("study", {}).get("vehicle")
     row = (source_tables(vehicle) if isinstance(vehicle, EditedSource) else tables).get("vehicle")
     return VEHICLE_TABLE.units(row) if isinstance(row, dict) else {}
-
-
-def _with_weight(values: dict[str, Any], table: FileTable) -> dict[str, Any]:
-    """Return the numbers of a vehicle with its weight m g [N] in place of a mass m [kg].
-
-    `values`: numbers in SI units by name. `table`: their declaration, for messages. `InputError`
-    unless either weight or mass is given.
-    """
-    if "mass" not in values:
-        if "weight" not in values:
-            raise InputError(
-                f"a key is missing in {table.heading}: {table.spelled('weight')}, or"
-                f" {table.spelled('mass')}"
-            )
-        return values
-    if "weight" in values:
-        raise InputError(f"{table.heading} has both a weight and a mass; keep one")
-    return {name: value for name, value in values.items() if name != "mass"} | {
-        "weight": values["mass"] * STANDARD_GRAVITY
-    }
 
 
 def build_structure(document: Mapping[str, Any]) -> Structure:

@@ -115,10 +115,7 @@ class Actuator(Record):
     def tf(self) -> control.TransferFunction:
         """Return the actuator as `control.TransferFunction`, deflection per command.
 
-        Raises
-        ------
-        InputError
-            For a batch.
+        `InputError` for a batch.
         """
         import control
 

@@ -298,22 +298,10 @@ class Autopilot(Feedback):
         return self._closed("closed_loop_poles", plant).poles
 
     def rational_loop(self, plant: Plant) -> Loop:
-        """Return the loop as polynomials and an exact delay, for one plant or a batch.
+        """Return the loop L as polynomials and an exact delay, for one plant or a batch.
 
-        Parameters
-        ----------
-        plant : Plant
-            One plant or a batch of any model; it broadcasts with the gains.
-
-        Returns
-        -------
-        tvclin.Loop
-            The L of `loop`, but that its delay is exact.
-
-        Raises
-        ------
-        InputError
-            For a flexible plant and an autopilot with a sample rate, see `exact_loop`.
+        `plant`: rigid, one or a batch of any model, which broadcasts with the gains. `InputError`
+        for a flexible plant and an autopilot with a sample rate, which `exact_loop` takes.
         """
         instance("plant", plant, Plant, "of a FlexiblePlant see exact_loop")
         self._require_continuous("rational_loop")
@@ -327,22 +315,11 @@ class Autopilot(Feedback):
     def exact_loop(self, plant: AnyPlant) -> Loop:
         """Return the loop L with its exact delay and sampling, for one plant or a batch.
 
-        Parameters
-        ----------
-        plant : Plant or FlexiblePlant
-            One plant or a batch of any model; it broadcasts with the gains.
-
-        Returns
-        -------
-        tvclin.Loop
-            Polynomials around a `Plant`, matrices around a `FlexiblePlant`; with a sample rate the
-            loop in steps, a Loop at frequencies up to half the sample rate.
-
-        Raises
-        ------
-        InputError
-            For an engine with inertia behind an actuator that is not of second order, and a
-            filter that is too fast for the sample rate.
+        It has polynomials around a `Plant`, and matrices around a `FlexiblePlant`; with a sample
+        rate it is the loop in steps, at frequencies up to half the sample rate. `plant`: one or a
+        batch of any model, which broadcasts with the gains. `InputError` for an engine with inertia
+        behind an actuator that is not of second order, and a filter that is too fast for the sample
+        rate.
         """
         check_plant(plant)
         broadcast(autopilot=self.batch, plant=plant.batch)
@@ -386,20 +363,9 @@ class Autopilot(Feedback):
     def band_margins(self, plant: FlexiblePlant | SystemPlant) -> BandMargins:
         """Return the margins by band: of the rigid body, and of each bending and slosh mode.
 
-        Parameters
-        ----------
-        plant : FlexiblePlant or SystemPlant
-            One plant or a batch of any model; it broadcasts with the gains.
-
-        Returns
-        -------
-        BandMargins
-            Margins of each band, and the `Margins` of the whole loop, which decide.
-
-        Warns
-        -----
-        UserWarning
-            In the same cases as `margins`.
+        They include the margins of the whole loop, which decide. `plant`: flexible, one or a batch
+        of any model, which broadcasts with the gains. It warns of zero gains, positive feedback, a
+        slow actuator and modes above half the sample rate, as `margins` does.
         """
         if not isinstance(plant, SystemPlant):
             instance("plant", plant, FlexiblePlant, "see FlexiblePlant.from_vehicle")
@@ -411,49 +377,27 @@ class Autopilot(Feedback):
     def frequency_response(self, plant: AnyPlant, omega: ArrayLike) -> ComplexArray:
         """Return L(j omega) of `loop`, with the exact delay e^(-j omega delay).
 
-        Parameters
-        ----------
-        plant : Plant or FlexiblePlant
-            One plant or a batch of any model.
-        omega : array_like
-            Frequencies [rad/s] of any shape; the result has ``batch + omega.shape``, and is
-            infinite at a pole of the loop.
-
-        Raises
-        ------
-        InputError
-            For frequencies that are not finite.
+        `plant`: one or a batch of any model. `omega`: frequencies [rad/s] of any shape; the result
+        has ``batch + omega.shape``, and is infinite at a pole of the loop. `InputError` for
+        frequencies that are not finite.
         """
         return self.exact_loop(plant).response(omega)
 
     def wind_response(self, plant: AnyPlant, wind: History) -> WindResponse:
         """Return the response of the closed loop to a wind, without limits, at any time.
 
-        Parameters
-        ----------
-        plant : Plant or FlexiblePlant
-            One plant of any model.
-        wind : History
-            One wind angle of attack [rad].
-
-        Returns
-        -------
-        WindResponse
-            The outputs of `close` and their peaks, exact at any time. A delay enters as its Pade
-            approximation.
-
-        Raises
-        ------
-        InputError
-            For a batch, and for a Pade approximation whose loop has another number of unstable
-            poles than the loop with the exact delay.
+        It has the outputs of `close` and their peaks, exact at any time. A delay enters as its Pade
+        approximation. `plant`: one plant of any model. `wind`: one wind angle of attack [rad].
+        `InputError` for a batch, and for a Pade approximation whose loop has another number of
+        unstable poles than the loop with the exact delay.
         """
         return self.wind_response_function(plant)(wind)
 
     def wind_response_function(self, plant: AnyPlant) -> Callable[[History], WindResponse]:
         """Return the function from a wind angle [rad] to its `wind_response`, for many winds.
 
-        Same parameters and exceptions as `wind_response`: one plant of any model.
+        `plant`: one plant of any model. `InputError` for a batch, and for a Pade approximation with
+        a wrong number of unstable poles.
         """
         A, B, C, D, labels = self._wind_system(plant)
         return partial(wind_response_of, A, B, C, D, labels)
@@ -463,9 +407,9 @@ class Autopilot(Feedback):
     ) -> Callable[[Sequence[History]], FloatArray]:
         """Return the function from winds to the largest deflection [rad] in each, ``(winds,)``.
 
-        Same parameters and exceptions as `wind_response`, and the closed loop around the plant is
-        stable. The largest of all winds is exact; in winds that cannot have the largest it may be
-        too small.
+        `plant`: one plant of any model, around which the closed loop is stable. The largest of all
+        winds is exact; in winds that cannot have the largest it may be too small. `InputError` for
+        a batch, and for a Pade approximation with a wrong number of unstable poles.
         """
         A, B, C, D, labels = self._wind_system(plant)
         row = labels.index("deflection")
@@ -493,24 +437,10 @@ class Autopilot(Feedback):
     ) -> control.TimeResponseData:
         """Return the exact response of the closed loop to a wind as `control.TimeResponseData`.
 
-        Parameters
-        ----------
-        plant : Plant or FlexiblePlant
-            One plant of any model.
-        wind : History
-            One wind angle of attack [rad].
-        timepts : array_like
-            Times [s], ``(n,)``; breakpoints of the wind need not be among them.
-
-        Returns
-        -------
-        control.TimeResponseData
-            The outputs of `close` [rad, rad/s]; input wind [rad].
-
-        Raises
-        ------
-        InputError
-            For a batch, and for times that are not finite or not one row.
+        It has the outputs of `close` [rad, rad/s] and the input wind [rad]. `plant`: one plant of
+        any model. `wind`: one wind angle of attack [rad]. `timepts`: times [s], ``(n,)``;
+        breakpoints of the wind need not be among them. `InputError` for a batch, and for times that
+        are not finite or not one row.
         """
         times = times_row("timepts", timepts)
         self._require_single("respond", plant)

@@ -167,17 +167,9 @@ class AutopilotDesign:
     def from_table(cls, table: Mapping[str, Any], folder: Path = Path()) -> Self:
         """Return the specification in a file's table [autopilot], with its [[autopilot.filter]].
 
-        Parameters
-        ----------
-        table : mapping
-            Keys and values of the table, as TOML gives them.
-        folder : Path
-            Folder in which the table of gains that `schedule` names is looked for first.
-
-        Raises
-        ------
-        InputError
-            For unknown keys, and in the same cases as `AutopilotDesign` and `load_gains`.
+        `table`: keys and values of the table, as TOML gives them. `folder`: folder in which the
+        table of gains that `schedule` names is looked for first. `InputError` for unknown keys, and
+        in the same cases as `AutopilotDesign` and `load_gains`.
         """
         keys = AUTOPILOT_TABLE.read(table)
         name, rows = keys.pop("schedule", None), keys.pop("filter", ())
@@ -251,11 +243,8 @@ class AutopilotDesign:
     def autopilot(self, plant: Plant, actuator: Actuator | None = None) -> Autopilot:
         """Return the autopilot for a plant, with the actuator of its nozzle.
 
-        Raises
-        ------
-        InputError
-            For a rule and gains together, a single gain, a rule with too few numbers or too many, a
-            schedule over the flight, and in the same cases as the rule.
+        `InputError` for a rule and gains together, a single gain, a rule with too few numbers or
+        too many, a schedule over the flight, and in the same cases as the rule.
         """
         errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
         errors.single("plant", plant.batch)

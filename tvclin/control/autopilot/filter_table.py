@@ -97,11 +97,8 @@ class ModeNotch(Record):
     def at(self, flight: Any, time: ArrayLike) -> Filter:
         """Return the notch at times [s] of a `FlightSchedule`.
 
-        Raises
-        ------
-        InputError
-            For a flight whose structure has no mode of this name, and numbers of another shape than
-            the times.
+        `InputError` for a flight whose structure has no mode of this name, and numbers of another
+        shape than the times.
         """
         structure: Any = getattr(flight, "structure", None)
         if not hasattr(structure, "mode_number"):  # no structure over time

@@ -144,11 +144,8 @@ class GainSchedule:
     def at(self, value: ArrayLike) -> Autopilot:
         """Return the autopilot at one or several values of the variable of the flight, in SI units.
 
-        Raises
-        ------
-        InputError
-            For a value outside the breakpoints, as gains are not extrapolated, and for a schedule
-            with notches that follow a mode, see `along`.
+        `InputError` for a value outside the breakpoints, as gains are not extrapolated, and for a
+        schedule with notches that follow a mode, see `along`.
         """
         if self.notches:
             raise InputError(
@@ -168,12 +165,8 @@ class GainSchedule:
         """Return the autopilot at times of a flight [s], of their shape.
 
         Before the first and after the last breakpoint it is constant. The actuator of a flight that
-        has one over time takes the place of the autopilot's.
-
-        Raises
-        ------
-        InputError
-            For times outside the flight, and a flight without the variable or the mode of a notch.
+        has one over time takes the place of the autopilot's. `InputError` for times outside the
+        flight, and a flight without the variable or the mode of a notch.
         """
         instance("flight", flight, FlightSchedule, "see load_schedule")
         values = flight_variable(flight, self.variable, time)
@@ -190,28 +183,15 @@ class GainSchedule:
         """Return the gains as the CSV table of a study file, and write it where a path is given.
 
         It is what `schedule` in [autopilot] reads; delay, filters, notches and sample rate stand in
-        the study file itself.
-
-        Raises
-        ------
-        InputError
-            When the file cannot be written.
+        the study file itself. `InputError` when the file cannot be written.
         """
         gains = {name: getattr(self.autopilot, name) for name in GAINS}
         return gain_columns(self.variable, self.breakpoints, gains).csv(path)
 
     def margins(self, plants: Plant) -> Margins:
-        """Return the margins at every breakpoint.
+        """Return the margins at every breakpoint, of plants at these, ``(n,)``.
 
-        Parameters
-        ----------
-        plants : Plant
-            The plant at each of the breakpoints, ``(n,)``.
-
-        Warns
-        -----
-        UserWarning
-            In the same cases as `Autopilot.loop`.
+        It warns of zero gains, positive feedback and a slow actuator, as `Autopilot.loop` does.
         """
         loop = self.autopilot.exact_loop(plants)
         warn_of_feedback(self.autopilot, plants)

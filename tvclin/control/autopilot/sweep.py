@@ -329,17 +329,6 @@ def plants_of(vehicle: Vehicle, model: str, plane: str) -> AnyPlant:
     return FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, model, plane)
 
 
-def flight_mode_names(flight: FlightSchedule, plants: AnyPlant) -> tuple[str, ...]:
-    """Return the names of bending modes and tanks of a flight; none without a structure.
-
-    `plants`: plants of the flight, which name the modes where the structure is that of the vehicle.
-    """
-    if flight.structure is None:
-        names, _ = named_modes(plants)
-        return names
-    return (*flight.structure.modes, *flight.structure.tanks)
-
-
 def sweep(
     flight: FlightSchedule,
     autopilot: Autopilot | GainSchedule,
@@ -397,7 +386,9 @@ def sweep(
         raise errors.InputError("autopilot must be one autopilot for all times, or a GainSchedule")
     autopilots = autopilot_along(autopilot, flight, time)
     plants = plants_along(flight, time, model, plane)
-    names = flight_mode_names(flight, plants)
+    names, _ = named_modes(plants)
+    if flight.structure is not None:  # over time: with its own names of modes and tanks
+        names = (*flight.structure.modes, *flight.structure.tanks)
     if criteria.has_mode_limits and not names:
         raise errors.InputError("criteria of modes need a flight with a structure over time")
     loop = autopilots.exact_loop(plants)

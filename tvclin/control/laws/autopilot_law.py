@@ -98,7 +98,9 @@ class SystemLaw(_AutopilotLaw):
                 f"the controller has a sample time of {float(system.period):.6g} s; give"
                 f" sample_rate = {1.0 / float(system.period):.6g} Hz"
             )
-        return system.A, system.B @ self._selection  # of the inputs among the measurements
+        # ones that select the inputs of the controller among the measurements, (inputs, 8)
+        rows = [[float(name == measured) for measured in _MEASURED] for name in system.inputs]
+        return system.A, system.B @ np.reshape(rows, (len(rows), len(_MEASURED)))
 
     @property
     def numbers(self) -> LawNumbers:
@@ -117,17 +119,6 @@ class SystemLaw(_AutopilotLaw):
         terms = [*zip(C, states, strict=True), *zip(D, inputs, strict=True)]
         # Starts from a zero of the shape of the flights.
         return sum((gain * value for gain, value in terms if gain), 0.0 * measured.attitude)
-
-    @property
-    def _selection(self) -> FloatArray:
-        """Matrix ``(inputs, 8)`` of zeros and ones, from measurements to inputs of the controller.
-
-        Its columns are the eight measurements of a flight.
-        """
-        rows = [
-            [float(name == field) for field in _MEASURED] for name in self.autopilot.system.inputs
-        ]
-        return np.array(rows).reshape(len(rows), len(_MEASURED))
 
 
 def gain_numbers(autopilot: Autopilot) -> dict[str, Any]:

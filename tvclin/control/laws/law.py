@@ -129,16 +129,10 @@ class Law(Record, ABC):
 
     @abstractmethod
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the demanded deflection [rad], before the limit.
+        """Return the demanded deflection [rad], before the limit, ``(...)`` over flights.
 
-        Parameters
-        ----------
-        measured : Measurement
-            Measurements [rad, rad/s], numbers or ``(...)`` over flights.
-        states : ndarray
-            States of the law, ``(k, ...)``.
-        limit : float or ndarray
-            Deflection limit [rad], which a law may use, ``(...)``.
+        `measured`: measurements [rad, rad/s], numbers or ``(...)``. `states`: states of the law,
+        ``(k, ...)``. `limit`: deflection limit [rad], which a law may use, ``(...)``.
         """
 
 

@@ -185,19 +185,11 @@ class Criteria:
         return cls(name, tuple(Criterion(key, value, source) for key, value in limits.items()))
 
     def with_limits(self, source: str, **limits: float) -> "Criteria":
-        """Return the criteria with limits of a source replaced or added.
+        """Return the criteria with some limits replaced or added.
 
-        Parameters
-        ----------
-        source : str
-            Source of the numbers.
-        **limits
-            Same as in `custom`; without any the criteria are unchanged.
-
-        Raises
-        ------
-        InputError
-            In the same cases as `custom`.
+        `source`: source of their numbers. `limits`: limits by margin, such as phase_margin_deg;
+        without any the criteria are unchanged. `InputError` for a name that is no margin, and a
+        limit below zero.
         """
         if not limits:
             return self
@@ -231,17 +223,10 @@ class Criteria:
     def judge(self, margins: Margins | BandMargins) -> tuple[Judgement, ...]:
         """Return the judgement of each margin, in the order of the criteria.
 
-        Parameters
-        ----------
-        margins : Margins or BandMargins
-            Margins of one loop or a batch. With bands, a limit of modes applies to each mode: the
-            gain margin to gain-stabilised modes, the phase margin to phase-stabilised modes. For
-            other modes the value is NaN and the surplus infinite, unless the loop is unstable.
-
-        Raises
-        ------
-        InputError
-            For limits of modes on margins without bands.
+        `margins`: of one loop or a batch. With bands, a limit of modes applies to each mode: the
+        gain margin to gain-stabilised modes, the phase margin to phase-stabilised modes. For other
+        modes the value is NaN and the surplus infinite, unless the loop is unstable. `InputError`
+        for limits of modes on margins without bands.
         """
         if isinstance(margins, BandMargins):
             loop, modes = margins.margins, margins.modes

@@ -222,15 +222,8 @@ class Loop:
     def response(self, omega: ArrayLike) -> ComplexArray:
         """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
 
-        Parameters
-        ----------
-        omega : array_like
-            Frequencies [rad/s], of any shape.
-
-        Raises
-        ------
-        InputError
-            For frequencies that are not finite, or beyond 1e15 rad/s.
+        `omega`: frequencies [rad/s], of any shape. `InputError` for frequencies that are not
+        finite, or beyond 1e15 rad/s.
         """
         frequencies = within("omega", omega, -_MAX_FREQUENCY, _MAX_FREQUENCY, "rad/s")
         values = self._values(frequencies.reshape(1, -1))
@@ -239,11 +232,8 @@ class Loop:
     def analysis(self, *, delays: bool = True) -> LoopAnalysis:
         """Return verdict, crossings and peaks of the flattened batch of loops.
 
-        Parameters
-        ----------
-        delays : bool
-            Whether the delay margins of a sampled loop are computed, which is most of its work;
-            else they are NaN. Delay margins of a continuous loop are always computed.
+        `delays`: whether the delay margins of a sampled loop are computed, which is most of its
+        work; else they are NaN. Delay margins of a continuous loop are always computed.
         """
         flag("delays", delays)
         return analyse_loops(self.form)
@@ -363,9 +353,9 @@ class SampledLoop(Loop):
     delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray] | None = None
 
     def response(self, omega: ArrayLike) -> AnyArray:
-        """Return L(e^(j omega h)) at frequencies below half the sample rate [rad/s].
+        """Return L(e^(j omega h)), shape ``batch + omega.shape``; infinite at a pole.
 
-        Same parameters and exceptions as `Loop.response`.
+        `omega`: frequencies [rad/s] up to half the sample rate; `InputError` for higher ones.
         """
         highest = float(np.pi / np.max(self.period))
         frequencies = within("omega", omega, -highest, highest, "rad/s")

@@ -74,10 +74,7 @@ class CovarianceHistory(GaussianOutputs):
     def mean(self, output: str = DEFLECTION) -> FloatArray:
         """Return the response to the known wind at the times ``(n,)``, in SI units.
 
-        Raises
-        ------
-        InputError
-            For an unknown output.
+        `InputError` for an unknown output.
         """
         row, direct = self._row(output)
         return self._mean_of(row, direct)
@@ -85,10 +82,7 @@ class CovarianceHistory(GaussianOutputs):
     def deviation(self, output: str = DEFLECTION) -> FloatArray:
         """Return the standard deviation of an output at the times ``(n,)``, in SI units.
 
-        Raises
-        ------
-        InputError
-            As `mean`.
+        `InputError` for an unknown output.
         """
         row, _ = self._row(output)
         return self._deviation_of(row)
@@ -96,10 +90,8 @@ class CovarianceHistory(GaussianOutputs):
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
         """Return the largest ``|mean|`` + `sigmas` deviations of an output, and its time [s].
 
-        Raises
-        ------
-        InputError
-            As `mean`, and for a number of standard deviations beyond 0 to 10.
+        `InputError` for an unknown output and a number of standard deviations beyond 0
+        to 10.
         """
         k = errors.number("sigmas", sigmas, errors.between(0.0, 10.0))
         sizes = np.abs(self.mean(output)) + k * self.deviation(output)
@@ -109,10 +101,8 @@ class CovarianceHistory(GaussianOutputs):
     def travel(self, output: str = DEFLECTION) -> float:
         """Return the expected integral of ``|y'|``, of the deflection the nozzle's travel [rad].
 
-        Raises
-        ------
-        InputError
-            As `mean`, and for an output that jumps with the turbulence or a noise.
+        `InputError` for an unknown output and an output that jumps with the turbulence
+        or a noise.
         """
         return float(np.trapezoid(self._absolute_rates(output), self.times))
 
@@ -120,12 +110,8 @@ class CovarianceHistory(GaussianOutputs):
         """Return the standard deviation of the travel of an output, of the deflection in rad.
 
         It is the root of the double integral over two times of the covariance of ``|y'|`` at them,
-        by the trapezoidal rule at up to 400 times.
-
-        Raises
-        ------
-        InputError
-            As `travel`.
+        by the trapezoidal rule at up to 400 times. `InputError` for an unknown output and one that
+        jumps.
         """
         row, direct = self._rate(output)  # of y'
         # indices of these times, covariances of the states, and transitions from a time to the next
@@ -153,42 +139,32 @@ class CovarianceHistory(GaussianOutputs):
     def crossings(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected number of crossings of +limit upwards and of -limit downwards.
 
-        Raises
-        ------
-        InputError
-            As `travel`, and for a limit, in the SI unit of the output, that is not positive.
+        `InputError` for an unknown output, one that jumps, and a limit, in
+        the SI unit of the output, that is not positive.
         """
         return float(np.trapezoid(self.crossing_rate(limit, output), self.times))
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> FloatArray:
         """Return the expected crossings [1/s] of +-limit by an output at the times, ``(n,)``.
 
-        Raises
-        ------
-        InputError
-            As `crossings`.
+        `InputError` for an unknown output, one that jumps, and a limit that is not
+        positive.
         """
         return self._crossing_rates(limit, output)
 
     def exceedance(self, limit: float, output: str = DEFLECTION) -> FloatArray:
         """Return the probability of ``|output| > limit`` at the times, ``(n,)``.
 
-        See `LoopCovariance.exceedance` on what it says about a deflection limit.
-
-        Raises
-        ------
-        InputError
-            As `mean`, and for a limit that is not positive.
+        `limit`: in the SI unit of the output. A nozzle with this deflection limit has that fraction
+        less gain in Gaussian motion. `InputError` for an unknown output and a limit that is not
+        positive.
         """
         return self._exceedances(limit, output)
 
     def time_fraction(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected fraction of the time in which ``|output|`` is above a limit.
 
-        Raises
-        ------
-        InputError
-            As `exceedance`.
+        `InputError` for an unknown output, and a limit that is not positive.
         """
         beyond = np.trapezoid(self.exceedance(limit, output), self.times)
         return float(beyond / (self.times[-1] - self.times[0]))
@@ -197,23 +173,16 @@ class CovarianceHistory(GaussianOutputs):
         """Return the probability that the output stays within +-limit: exp(-crossings).
 
         It is right where crossings are rare and independent, and low where they come in clusters.
-
-        Raises
-        ------
-        InputError
-            As `crossings`.
+        `InputError` for an unknown output, one that jumps, and a limit that is not
+        positive.
         """
         return float(np.exp(-self.crossings(limit, output)))
 
     def quantile(self, probability: float, output: str = DEFLECTION) -> FloatArray:
         """Return the value of an output that is not exceeded with a probability, ``(n,)``.
 
-        Of the output itself, with its sign, at each time; in SI units.
-
-        Raises
-        ------
-        InputError
-            As `mean`, and for a probability that is not above 0 and below 1.
+        Of the output itself, with its sign, at each time; in SI units. `InputError` for an unknown
+        output and a probability that is not above 0 and below 1.
         """
         from scipy.special import ndtri  # late: scipy takes long to import
 

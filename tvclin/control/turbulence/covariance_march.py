@@ -308,7 +308,7 @@ def march(
     n = first_loop.A.shape[-1]
     # At first the vehicle is at rest, behind a sample, and the filter of turbulence is stationary.
     P, mean = np.zeros((n, n)), np.zeros(n)  # covariance and mean of the states
-    z = first_loop.filter_states
+    z = slice(first_loop.order, first_loop.order + first_loop.filter_order)  # of the filter
     P[z, z] = stationary_covariance(first_loop.A[z, z], first_loop.noise[z, z])
     if loop.jumps:
         (sample,) = _jumps(loop, len(loop.jumps) - 1, times[:1])  # the last jump of a sample

@@ -205,16 +205,6 @@ class Signal(NamedTuple):
     direct: FloatArray
     rate: tuple[FloatArray, FloatArray] | None
 
-    def smooth_rate(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct part of the rate; `InputError` for an output that jumps."""
-        if self.rate is None:
-            raise errors.InputError(
-                f"{output} has no rate of finite variance, as it follows the turbulence, the noise"
-                " or a sample at once: it crosses every limit infinitely often, and has no travel;"
-                " see its rms and quantile"
-            )
-        return self.rate
-
 
 class Jump(NamedTuple):
     """Jump of the states behind an interval: x becomes matrix x + wind alpha_w, plus noise.
@@ -254,11 +244,6 @@ class DrivenLoop:
         """All arrays of the loop, in the order in which `mapped` takes them."""
         jumps = (array for jump in self.jumps for array in jump[1:])
         return self.A, self.noise, self.wind, self.rows, self.direct, *jumps
-
-    @property
-    def filter_states(self) -> slice:
-        """Indices of the states of the filter of turbulence, behind those of the loop."""
-        return slice(self.order, self.order + self.filter_order)
 
     def mapped(self, function: Callable[[FloatArray], FloatArray]) -> DrivenLoop:
         """Return the loop with `function` of each of its arrays, to change the batch of all.

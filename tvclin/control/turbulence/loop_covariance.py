@@ -74,7 +74,14 @@ class GaussianOutputs(Shown):
         x: states of the loop; alpha_w: known wind [rad]. Shapes ``(states,)`` and ``()``, or with
         leading n times. `InputError` for an unknown output, and for one that jumps.
         """
-        return self._signals[one_of("output", output, self.outputs)].smooth_rate(output)
+        _, _, rate = self._signals[one_of("output", output, self.outputs)]
+        if rate is None:
+            raise InputError(
+                f"{output} has no rate of finite variance, as it follows the turbulence, the noise"
+                " or a sample at once: it crosses every limit infinitely often, and has no travel;"
+                " see its rms and quantile"
+            )
+        return rate
 
     def _mean_of(self, row: FloatArray, direct: FloatArray) -> FloatArray:
         """Return the mean of row x + direct alpha_w at the n times, ``(n,)``.
@@ -183,12 +190,8 @@ class LoopCovariance(GaussianOutputs):
     def rms(self, output: str = DEFLECTION) -> float:
         """Return the standard deviation of an output in its SI unit.
 
-        With samples it is the largest over the phases of a sample.
-
-        Raises
-        ------
-        InputError
-            For an unknown output.
+        With samples it is the largest over the phases of a sample. `InputError` for an unknown
+        output.
         """
         row, _ = self._row(output)
         return float(self._deviation_of(row).max())
@@ -196,10 +199,8 @@ class LoopCovariance(GaussianOutputs):
     def quantile(self, probability: float, output: str = DEFLECTION) -> float:
         """Return the quantile of the size of an output, ``|output|``, at a probability.
 
-        Raises
-        ------
-        InputError
-            As `rms`, and for a probability that is not above 0 and below 1.
+        `InputError` for an unknown output and a probability that is not above 0 and below
+        1.
         """
         from scipy.special import ndtri  # late: scipy takes long to import
 
@@ -210,23 +211,16 @@ class LoopCovariance(GaussianOutputs):
         """Return E|y'| of an output, of the deflection its travel in each second [rad/s].
 
         With samples it is the mean over the phases of a sample, with the weights `_weights`.
-
-        Raises
-        ------
-        InputError
-            As `rms`, and for an output that jumps with the wind or with the noise.
+        `InputError` for an unknown output and an output that jumps with the wind or with
+        the noise.
         """
         return float(self._weights @ self._absolute_rates(output))
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> float:
         """Return an output's expected crossings [1/s], of +limit upwards and -limit downwards.
 
-        With samples it is the mean over the phases of a sample.
-
-        Raises
-        ------
-        InputError
-            As `mean_absolute_rate`, and for a limit that is not positive.
+        With samples it is the mean over the phases of a sample. `InputError` for an unknown output,
+        one that jumps, and a limit that is not positive.
         """
         return float(self._weights @ self._crossing_rates(limit, output))
 
@@ -235,12 +229,8 @@ class LoopCovariance(GaussianOutputs):
 
         In Gaussian motion a nozzle with this deflection limit has that fraction less gain (the
         random-input describing function of a saturation): where it is more than a percent or so,
-        the loop is linear no more, see `tvclin.ensembles.fly_turbulence`.
-
-        Raises
-        ------
-        InputError
-            As `rms`, and for a limit that is not positive.
+        the loop is linear no more, see `tvclin.ensembles.fly_turbulence`. `InputError` for an
+        unknown output and a limit that is not positive.
         """
         return float(self._weights @ self._exceedances(limit, output))
 
@@ -248,12 +238,8 @@ class LoopCovariance(GaussianOutputs):
         """Return the probability that an output stays within +-limit for a duration [s].
 
         It is exp(-crossings), which is right where crossings are rare and independent, and low
-        where they come in clusters.
-
-        Raises
-        ------
-        InputError
-            As `crossing_rate`, and for a negative duration.
+        where they come in clusters. `InputError` for an unknown output, one that jumps, a limit
+        that is not positive, and a negative duration.
         """
         time = number("duration", duration, nonnegative, "s")
         return float(np.exp(-time * self.crossing_rate(limit, output)))
@@ -266,18 +252,9 @@ class LoopCovariance(GaussianOutputs):
         intensity N; of a sampled autopilot with the period h, p = exp(j omega h), A is the
         transition over a sample, and N is h times the covariance of its noise.
 
-        Parameters
-        ----------
-        omega : array_like
-            Frequencies [rad/s] of any shape, which is that of the result.
-        output : str
-            Name of an output.
-
-        Raises
-        ------
-        InputError
-            As `rms`, and for frequencies that are negative, above 1e9 rad/s, or above half the
-            sample rate.
+        `omega`: frequencies [rad/s] of any shape, which is that of the result. `InputError` for an
+        unknown output, and frequencies that are negative, above 1e9 rad/s, or above half the sample
+        rate.
         """
         (row, _), loop = self._row(output), self._loop
         frequencies = within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
