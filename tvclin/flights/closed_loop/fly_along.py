@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import factorial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,7 +35,7 @@ from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases
 from tvclin.kernels.flight_arrays import Flights
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.linear.system import LinearSystem, connect, constant_over_steps, polynomial_input
-from tvclin.numerics.pieces import polynomial_pieces
+from tvclin.numerics.pieces import polynomial_pieces, recentred
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import FROZEN, SIGNS
@@ -415,10 +414,11 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     ]
     steps = constant_over_steps(systems[0], systems[1], lengths).to_steps(lengths).A
     order = steps.shape[-1] - terms  # states of the loop, ahead of those of the wind's polynomial
+    # coefficients of the wind's polynomial about the start of each step; zero before its onset
     index = np.searchsorted(knots, times[:-1] + 1e-12, side="right") - 1
-    local = np.array(
-        [_coefficients_at(pieces, knots, int(j), t) for j, t in zip(index, times, strict=False)]
-    )
+    begun, piece = index >= 0, np.maximum(index, 0)
+    local = recentred(pieces[piece][:, np.newaxis], np.zeros(1), times[:-1] - knots[piece])[:, 0]
+    local = np.where(begun[:, np.newaxis], local, 0.0)
     forced = (steps[:, :order, order:] @ local[..., np.newaxis])[..., 0]
     states = np.zeros((times.size, order))
     for k in range(lengths.size):
@@ -436,21 +436,6 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     else:
         rates = np.gradient(deflection, times)
     return times.astype(float), np.column_stack([states[:, :n], deflection]), rates
-
-
-def _coefficients_at(pieces: FloatArray, knots: FloatArray, j: int, time: float) -> FloatArray:
-    """Return the coefficients of a wind's polynomial about a time [s]; zeros before its onset.
-
-    The coefficient of power k is the k-th derivative there over k!. `pieces`: coefficients about
-    the breakpoints, ``(k, terms)``. `knots`: breakpoints [s], ``(k,)``. `j`: index of the piece, or
-    -1.
-    """
-    if j < 0:
-        return np.zeros(pieces.shape[1])
-    polynomial, values = np.polynomial.Polynomial(pieces[j]), []
-    for k in range(pieces.shape[1]):
-        values.append(polynomial.deriv(k)(time - knots[j]) / factorial(k))
-    return np.array(values)
 
 
 def with_outputs(

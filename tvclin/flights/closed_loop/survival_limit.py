@@ -400,7 +400,10 @@ def closed_loop_boundary(
     worst, fastest = dominant_pole(batch), float(modes.poles[0])
     unstable = worst.real > _MIN_GROWTH_OVER_POLE * fastest
     reasons = [scan.status] if scan.status != OK else []
-    reasons += [_instability(worst, fastest)] if unstable else []
+    if unstable:  # slow ones count as real
+        oscillates = worst.imag > MIN_FREQUENCY_OVER_POLE * fastest
+        mode = f"an oscillation of {worst.imag:.3g} rad/s" if oscillates else "a real mode"
+        reasons.append(f"near rest {mode} grows with {worst.real:+.3g} 1/s")
     return ClosedLoopBoundary(
         limit=scan.limit,
         deflection=-scan.limit * float(plant.coefficients.B) * float(wind.peak),
@@ -411,19 +414,6 @@ def closed_loop_boundary(
         has_unstable_mode=unstable,
         status="; ".join(reasons) or OK,
     )
-
-
-def _instability(worst: complex, fastest: float) -> str:
-    """Return the sentence on an unstable pole; below a tenth of `fastest` it counts as real.
-
-    `worst`: the dominant pole of the loop [1/s]. `fastest`: fastest unstable pole of the plant
-    [1/s].
-    """
-    if worst.imag > MIN_FREQUENCY_OVER_POLE * fastest:
-        return (
-            f"near rest an oscillation of {worst.imag:.3g} rad/s grows with {worst.real:+.3g} 1/s"
-        )
-    return f"near rest a real mode grows with {worst.real:+.3g} 1/s"
 
 
 _MAX_BOUNDARIES = 2_000

@@ -397,12 +397,22 @@ class Airframe:
         if self._gains is None:
             return repeat(start)
         if len(self._nominal) < count:
-            hold, zeros = _hold_steering(*self._gains), np.zeros(count)
+            (on_lean, on_rate), zeros = self._gains, np.zeros(count)
             reference = np.tile(start, (count, 1))
             if trajectory is not None and self._plane == "pitch":
                 reference[:, : len(OUTPUTS)] = trajectory
             rows = _plain_rows(reference)
-            flown = self._deviation_rows(hold, zeros, zeros, rows, trajectory, _ACCELEROMETER)
+            flown = self._deviation_rows(
+                steering=lambda k, measured: (
+                    on_lean * (measured.attitude - measured.flight_path_angle)
+                    + on_rate * measured.attitude_rate
+                ),
+                speeds=zeros,
+                angles=zeros,
+                nominal=rows,
+                trajectory=trajectory,
+                sensors=_ACCELEROMETER,
+            )
             self._nominal = list(_plain_rows(flown + reference[: len(flown)]))
         if len(self._nominal) < count:
             raise InputError(
@@ -501,17 +511,6 @@ def _hold_gains(c: Coefficients) -> tuple[float, float]:
     mu_alpha, mu_delta = float(c.mu_alpha), float(c.mu_delta)
     frequency = max(_HOLD_OVER_AIRFRAME_FREQUENCY * abs(mu_alpha) ** 0.5, _MIN_HOLD_FREQUENCY)
     return (frequency**2 + mu_alpha) / mu_delta, 2.0 * frequency / mu_delta
-
-
-def _hold_steering(on_lean: float, on_rate: float) -> Steering:
-    """Return the steering of an attitude hold, from its gains on nose minus path and rate.
-
-    `on_lean`: deflection per angle [-]. `on_rate`: deflection per attitude rate [s].
-    """
-    return lambda k, measured: (
-        on_lean * (measured.attitude - measured.flight_path_angle)
-        + on_rate * measured.attitude_rate
-    )
 
 
 _Case = tuple[Vehicle, str, bool, float, Surroundings]

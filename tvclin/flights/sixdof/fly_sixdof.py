@@ -328,8 +328,16 @@ def planes_verdict(
     pole = float(cases["yaw"].coefficients.pole)
     begin, until = min(0.0, float(wind.onset)), verdict_time(wind, pole)
     check_span(begin, until)
-    winds = [_wind_at_steps(cases[plane], getattr(wind, plane), begin, until) for plane in PLANES]
-    speeds, angles = (np.stack(component) for component in zip(*winds, strict=True))
+    winds = []  # speeds [m/s] and angles [rad] at the steps, in each plane
+    for plane, case in cases.items():
+        component = getattr(wind, plane)
+        if np.isfinite(component.onset):
+            air = case.air(component, begin, until)
+            winds.append((air.speeds, air.angles))
+        else:  # no wind in this plane; as many steps as in the other
+            count = int(np.ceil((until - begin) / step - 1e-9)) + 3
+            winds.append((np.zeros(count), np.zeros(count)))
+    speeds, angles = (np.stack(values) for values in zip(*winds, strict=True))
     numbers = vehicle.replace(name="", time=None)
 
     def survives(limit: float) -> bool:
@@ -343,22 +351,6 @@ def planes_verdict(
         return not has_fallen(float(np.hypot(*rows[-1, :, 1])), float(wind.peak), pole)
 
     return survives
-
-
-def _wind_at_steps(
-    case: SixDof, wind: Any, begin: float, until: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return wind speeds [m/s] and wind angles [rad] at the n steps of a flight, ``(n,)`` each.
-
-    `case`: vehicle and options in one plane. `wind`: component of the wind in the plane; where it
-    is zero, there are as many steps as in the other plane, by `SixDof.air`. `begin`, `until`: start
-    and end of the flight [s].
-    """
-    if np.isfinite(wind.onset):
-        air = case.air(wind, begin, until)
-        return air.speeds, air.angles
-    count = int(np.ceil((until - begin) / case.step - 1e-9)) + 3
-    return np.zeros(count), np.zeros(count)
 
 
 def _steering(
