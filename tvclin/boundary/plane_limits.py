@@ -199,8 +199,7 @@ def _requirement_after_trim(
     def trimmed_minimum(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
-        Trim ends where the gauge of the driver first reaches K L.
-
+        Trim ends where the gauge of the driver (trim, or on the wind -B alpha_w) first reaches K L.
         The bound, of separate planes, is taken if it is `sufficient` [rad] or m is not `solved`.
         """
 

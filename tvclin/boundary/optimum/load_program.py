@@ -194,13 +194,14 @@ class LoadProgram:
     def _loads(self) -> tuple[Any, FloatArray, FloatArray]:
         """Rows of the load over all variables, and its largest and smallest value without them.
 
-        They are at the nodes; at both ends of each cell where the load jumps with the deflection.
+        They are at the nodes, where the load without them is taken on both sides; with a load of
+        the deflection itself (M), which may jump there, at both ends of each cell.
         """
         from scipy import sparse
 
         n, M = self.widths.size, self.case.ratio
         c = self.case.column(np.conj(self.case.shares))
-        at = sparse.kron(sparse.identity(n), c[np.newaxis], format="csr")
+        at = sparse.kron(sparse.identity(n), c[np.newaxis], format="csr")  # of the modes at nodes
         start, end = self.reference_load[:, 0] / self._unit, self.reference_load[:, -1] / self._unit
         first, last = self._levels
         if M == 0.0:

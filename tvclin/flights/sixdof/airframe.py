@@ -479,7 +479,10 @@ class Airframe:
             reference = _plain_rows(trajectory[1:, [1, 4]])  # attitude rate and deflection
 
         def hold() -> None:
-            """Set the deflection of the other plane for the next step."""
+            """Set the deflection of the other plane for the next step: the reference, and feedback.
+
+            Fed back are nose minus path, and the attitude rate minus that of the path.
+            """
             path_rate, deflection = next(reference)
             attitude, path = angles()
             rate = rates()[0] - path_rate
