@@ -367,7 +367,7 @@ class LoadProgram:
 
 
 def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
-    """Return the complex `prices` of the k modes of a `case` at the onset, from those of real rows.
+    """Return the complex `prices` of the k modes of a `case` at the onset, from real ones.
 
     An unstable pair has two real numbers; stable modes have none, and zero is returned for them.
     """

@@ -287,9 +287,8 @@ class Window:
     def is_underflowing(self, multipliers: FloatArray) -> bool:
         """Return whether a term of the sum with `multipliers` is below 1e-200 of the largest.
 
-        Such a multiplier cannot be distinguished from zero. The size of a term is that of its
-        multiplier times the bound of the L1 norm of its exponential, `sizes`. `multipliers`:
-        ``(n,)``.
+        Such a multiplier cannot be distinguished from zero. The size of a term is its multiplier's
+        times the bound of the L1 norm of its exponential, `sizes`. `multipliers`: ``(n,)``.
         """
         sizes = np.abs(multipliers) * self.sizes
         return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())

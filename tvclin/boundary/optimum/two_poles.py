@@ -145,9 +145,8 @@ def duration_without_fast_pole(
 
         1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
 
-    y is the peak that the slow pole beta1 requires in a triangular wind over that of the fast pole
-    beta2 (report, appendix C). Same parameters as `longest_single_pole_duration`; NaN where y is
-    never 1.
+    y is the peak that the slow pole beta1 requires in a triangular wind over the fast pole's, beta2
+    (report, appendix C). Same parameters as `longest_single_pole_duration`; NaN where y is never 1.
 
     Examples
     --------

@@ -116,7 +116,7 @@ _TYPES = {float: np.float64, bool: np.bool_}
 def law_rows(numbers: Sequence[LawNumbers]) -> AnyArray:
     """Return the numbers of laws as a structured array, ``(laws,)``: machine code takes no list.
 
-    Its fields are those of `LawNumbers`, which the array's elements replace.
+    It has the fields of `LawNumbers`, which its elements replace.
     """
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
     return np.array(numbers, dtype=kinds)

@@ -321,8 +321,8 @@ class Stages:
     def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
         """Return the interpolant of the matrices in the interval of time that contains a sample.
 
-        Its range of dynamic pressure is that of the values `pressure`, q/q_n, widened to multiples
-        of `_PRESSURE_RANGE`. Interpolants are kept, and used again by flights with the same plants
+        Its range of dynamic pressure has the values `pressure`, q/q_n, and ends at multiples of
+        `_PRESSURE_RANGE`. Interpolants are kept, and used again by flights with the same plants
         (`alike`). `sample`: index of the sample. None where it does not converge, and for a range
         in which a vehicle is impossible.
         """

@@ -481,7 +481,7 @@ class Airframe:
         def hold() -> None:
             """Set the deflection of the other plane for the next step: the reference, and feedback.
 
-            Fed back are nose minus path, and the attitude rate minus that of the path.
+            Fed back are nose minus path, and the attitude rate minus the path's.
             """
             path_rate, deflection = next(reference)
             attitude, path = angles()
