@@ -344,9 +344,7 @@ class FlightSchedule(Shown):
         times = np.unique(np.concatenate([[flight.start], before, after, [flight.stop]]))
         _speed, _path, altitude = flight.states(times)
         return cls(
-            flight.vehicle_at(times),
-            nominal_deflection=flight.deflection(times),
-            altitude=altitude,
+            flight.vehicle_at(times), nominal_deflection=flight.deflection(times), altitude=altitude
         )
 
 

@@ -78,15 +78,16 @@ class DispersedStudy(Shown):
     def tables(self) -> tuple[Table, Table]:
         """Return the tables of the covering deflection [deg] and of the rank correlations."""
         r = self.required
+        # labels of the quantile of the cases, and of its upper bound
         of_cases, of_flights = statistics.shares(r.probability, r.confidence)
-        covers = degrees("dispersed.upper", r.upper, unit="deg")
+        upper = degrees("dispersed.upper", r.upper, unit="deg")
         if np.isinf(r.upper):
             few = f"too few cases to say{r.few_cases}"
-            covers = ("not known" if self.unknown_cases else few,)
+            upper = ("not known" if self.unknown_cases else few,)
         shown = [
             *rows(self, "dispersed", "cases", "seed", "median"),
             (of_cases, degrees("dispersed.estimate", r.estimate, unit="deg")),
-            (of_flights, covers),
+            (of_flights, upper),
         ]
         if self.success is not None:
             shown.append(
@@ -123,10 +124,12 @@ class DispersedStudy(Shown):
         if self.nominal.limit is None:
             return None
         has_answer = ~np.isnan(self.deflection)
-        unknown = np.isin(self.status[has_answer], NOT_KNOWN)
-        level = self.required.probability, self.required.confidence
         return statistics.covers_quantile(
-            self.nominal.limit, self.deflection[has_answer], unknown, *level
+            self.nominal.limit,
+            self.deflection[has_answer],
+            unknown=np.isin(self.status[has_answer], NOT_KNOWN),
+            probability=self.required.probability,
+            confidence=self.required.confidence,
         )
 
     @property

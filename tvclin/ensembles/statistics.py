@@ -147,16 +147,16 @@ def quantile_bound(
         """Return the probability that at most `rank` values lie below the quantile."""
         return float(bdtr(rank, n, p))
 
-    # Ranks are counted from zero, as `sample` is.
+    # the smallest rank with the confidence c, and the largest; from zero, as in `sample`
     upper = bisect_left(range(n), c - _PROBABILITY_TOLERANCE, key=below)
     lower = bisect_right(range(n), 1.0 - c + _PROBABILITY_TOLERANCE, key=below) - 1
     return Quantile(
-        p,
-        c,
-        float(np.quantile(sample, p, method="inverted_cdf")),
-        float(sample[upper]) if upper < n else np.inf,
-        float(sample[lower]) if lower >= 0 else -np.inf,
-        n,
+        probability=p,
+        confidence=c,
+        estimate=float(np.quantile(sample, p, method="inverted_cdf")),
+        upper=float(sample[upper]) if upper < n else np.inf,
+        lower=float(sample[lower]) if lower >= 0 else -np.inf,
+        cases=n,
     )
 
 
@@ -170,7 +170,8 @@ def success_probability(successes: int, cases: int, confidence: float = 0.9) -> 
     if not 0 < n or k > n:
         raise InputError(f"successes must be at most cases, which are not zero; got {k} of {n}")
     c = fraction("confidence", confidence)
-    return Success(k / n, *_clopper_pearson(k, n, c), c)
+    low, high = _clopper_pearson(k, n, c)
+    return Success(estimate=k / n, lower=low, upper=high, confidence=c)
 
 
 def _clopper_pearson(successes: float, cases: float, confidence: float) -> tuple[float, float]:
@@ -181,6 +182,7 @@ def _clopper_pearson(successes: float, cases: float, confidence: float) -> tuple
     from scipy.special import betaincinv  # scipy.stats takes half a second more to import
 
     k, n, tail = successes, cases, (1.0 - confidence) / 2.0
+    # quantiles of beta distributions, which are those of a binomial number of k of n successes
     low = float(betaincinv(k, n - k + 1.0, tail)) if k > 0.0 else 0.0
     high = float(betaincinv(k + 1.0, n - k, 1.0 - tail)) if k < n else 1.0
     return low, high
@@ -189,12 +191,12 @@ def _clopper_pearson(successes: float, cases: float, confidence: float) -> tuple
 def covers_quantile(
     limit: float, required: ArrayLike, unknown: ArrayLike, probability: float, confidence: float
 ) -> bool | None:
-    """Return whether a limit covers the quantile of a requirement, as `Quantile.covered`.
+    """Return whether a limit covers the quantile of a requirement, with a confidence.
 
     `limit`: [rad]. `required`: requirements of cases [rad], ``(n,)``. `unknown`: whether the
     requirement of a case is not known, ``(n,)``. `probability`, `confidence`: of the quantile, and
-    of its bound. None also where the verdict is another with infinite than with zero requirements
-    of the unknown cases.
+    of its bound. None where the sample is too small, and where the verdict is another with infinite
+    than with zero requirements of the unknown cases.
     """
     verdicts: set[bool | None] = set()
     for value in (np.inf, 0.0):
@@ -232,8 +234,9 @@ def _ranks(values: ArrayLike) -> FloatArray:
 
     As `scipy.stats.rankdata`, whose import takes longer than a study.
     """
-    _, index, counts = np.unique(values, return_inverse=True, return_counts=True)
-    return (np.cumsum(counts) - 0.5 * (counts - 1.0))[index]
+    _values, index, counts = np.unique(values, return_inverse=True, return_counts=True)
+    mean_ranks = np.cumsum(counts) - 0.5 * (counts - 1.0)  # of each different value
+    return mean_ranks[index]
 
 
 def loss_drivers(inputs: dict[str, FloatArray], losses: ArrayLike) -> dict[str, Driver]:
@@ -367,14 +370,22 @@ def survival_fraction(
     judged_rows = ~np.isnan(flies)
     judged, flown = int(judged_rows.sum()), int(np.nansum(flies))
     unknown = flies.size - judged
-    if not judged:
-        return SurvivalFraction(0, 0, unknown, 0.0, np.nan, np.nan, confidence)
-    varying = 0 < flown < judged  # else all values of `flies` are alike, without a correlation
-    n = effective_number(
-        (flies if varying else required)[judged_rows], times[judged_rows], season[judged_rows]
+    n, lower, upper = 0.0, np.nan, np.nan
+    if judged:
+        varying = 0 < flown < judged  # else all values of `flies` are alike, without a correlation
+        n = effective_number(
+            (flies if varying else required)[judged_rows], times[judged_rows], season[judged_rows]
+        )
+        lower, upper = _clopper_pearson(flown / judged * n, n, confidence)
+    return SurvivalFraction(
+        flown=flown,
+        judged=judged,
+        unknown=unknown,
+        effective=n,
+        lower=lower,
+        upper=upper,
+        confidence=confidence,
     )
-    ends = _clopper_pearson(flown / judged * n, n, confidence)
-    return SurvivalFraction(flown, judged, unknown, n, *ends, confidence)
 
 
 def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: IntArray) -> float:
@@ -397,6 +408,7 @@ def effective_number(values: FloatArray, times: NDArray[np.datetime64], season: 
     step = float(np.median(intervals))  # usual interval of the archive [min]
     correlations = 0.0
     for lag in range(1, _MAX_LAG_STEPS + 1):
+        # the first value later than each by about this lag, and whether it is near and in season
         later = np.searchsorted(minutes, minutes + (lag - _LAG_TOLERANCE) * step)
         partner = np.minimum(later, minutes.size - 1)
         close = np.abs(minutes[partner] - minutes - lag * step) <= _LAG_TOLERANCE * step

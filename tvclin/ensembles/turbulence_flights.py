@@ -189,8 +189,8 @@ def fly_turbulence(
     linear = turbulence_history(
         autopilot, plant, turbulence, speed, duration, wind=wind, altitude=altitude
     )
-    V, (_, length) = errors.number("speed", speed), turbulence.over(altitude)
-    times = _times(0.0, float(duration), float(np.min(length)) / V)
+    V, (_intensity, length) = errors.number("speed", speed), turbulence.over(altitude)
+    times = _times(0.0, float(duration), time_scale=float(np.min(length)) / V)
     fly = partial(
         fly_many,
         plant,
@@ -256,9 +256,8 @@ def fly_turbulence_along(
     options: dict[str, Any] = {"model": model, "plane": plane, "start": start, "stop": stop}
     linear = turbulence_along(schedule, autopilot, turbulence, wind=wind, **options)
     first_time, last_time = schedule.between(start, stop).span
-    V = schedule.speed
-    _, lengths = turbulence.over(None if schedule.altitude is None else schedule.height)
-    times = _times(first_time, last_time, float(np.min(lengths / V)))
+    _intensity, lengths = turbulence.over(None if schedule.altitude is None else schedule.height)
+    times = _times(first_time, last_time, time_scale=float(np.min(lengths / schedule.speed)))
     speeds = flight_variable(schedule, "speed", times)
     heights = None if schedule.altitude is None else flight_variable(schedule, "altitude", times)
     gusts = partial(turbulence.winds, times, speeds, altitude=heights, seed=seed)
@@ -313,12 +312,12 @@ def _comparison(
     flown = FlownCases(**arrays)
     limited = flown.saturated_time_fraction
     below = int(np.sum(flown.peak_deflection < _AT_LIMIT * limit))
-    smooth = DEFLECTION_RATE in linear.outputs  # has a variance, so that crossings can be counted
+    has_rate = DEFLECTION_RATE in linear.outputs  # a variance, so that crossings can be counted
     return TurbulenceFlights(
         deflection_limit=limit,
         linear_time=linear.time_fraction(limit),
         largest_exceedance=float(linear.exceedance(limit).max()),
-        linear_probability_of_none=linear.probability_of_none(limit) if smooth else None,
+        linear_probability_of_none=linear.probability_of_none(limit) if has_rate else None,
         limited_time=float(limited.mean()),
         limited_time_error=float(limited.std(ddof=1) / np.sqrt(total)),
         unlimited=success_probability(below, total),

@@ -442,10 +442,5 @@ def study_response(study: Study) -> StudyResponse | None:
     deflection = trim_then_hold(plant, wind, trim_sign * limit, study.dead_band, study.switch)
     shown = response_end(plant, deflection, wind, _MAX_END_OVER_DURATION * float(wind.end))
     return StudyResponse(
-        study=study,
-        plant=plant,
-        deflection=deflection,
-        limit=limit,
-        end=shown.time,
-        why=shown.why,
+        study=study, plant=plant, deflection=deflection, limit=limit, end=shown.time, why=shown.why
     )

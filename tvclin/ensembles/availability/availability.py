@@ -156,6 +156,7 @@ def availability(
         pressure=uses_encountered_pressure(sign),
     )
     bounds = judge.requirements(soundings, progress)
+    # the increase until launch [rad] by azimuth; flights decide on what it leaves of the limit
     added, growth_notes = _added(growth, bounds.lower, bounds.upper, soundings)
     required, flight_notes = judge.decided(soundings, bounds, capability - added)
     lower, upper = (x + added[:, np.newaxis] for x in (required.lower, required.upper))
@@ -211,7 +212,7 @@ def _added(
         note = "each required deflection includes the growth of the wind until launch"
         return np.zeros(lower.shape[0]), [note]
     if isinstance(growth, sounding_winds.PairGrowth):
-        usable = upper - lower <= _MAX_BOUND_SPREAD * upper
+        usable = upper - lower <= _MAX_BOUND_SPREAD * upper  # both bounds nearly equal
         added, pairs = sounding_winds.grown_by(
             growth, np.where(usable, lower, np.nan), soundings.times
         )
@@ -238,11 +239,12 @@ def unmeasured_notes(judge: Judge, soundings: Soundings) -> list[str]:
     count, total = int(np.sum(below | above | gaps)), below.size
     if not count:
         return []
-    where = [
-        *[f"below {1e-3 * winds.bottom.max():.3g} km"] * bool(np.any(below)),
-        *[f"above {1e-3 * winds.top.min():.3g} km"] * bool(np.any(above)),
-        *["in gaps of more than 2 km"] * bool(np.any(gaps)),
-    ]
+    places = {
+        f"below {1e-3 * winds.bottom.max():.3g} km": np.any(below),
+        f"above {1e-3 * winds.top.min():.3g} km": np.any(above),
+        "in gaps of more than 2 km": np.any(gaps),
+    }
+    where = [place for place, is_unmeasured in places.items() if is_unmeasured]
     whose = "the wind" if total == 1 else f"the wind of {count} of {total} soundings"
     return [
         f"{whose} is not measured {' and '.join(where)}: to be sufficient, a limit must survive"
@@ -258,18 +260,18 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     sounding, ``(n, 2)``; NaN where a sounding is not judged.
     """
     flight, (first, last) = judge.flight, judge.flight.span
-    notes, judged = [], judge.interval
-    starts = [interval.span[0] for interval in flight.one_sign_intervals[1:]]
-    turns = ", ".join(f"{start:.4g}" for start in starts if start < judged.path.time[-1])
-    if turns and judged.marches:
+    notes, judged = [], judge.interval  # the interval with an unstable mode
+    begin, end = judged.path.time[0], judged.path.time[-1]
+    changes = [interval.span[0] for interval in flight.one_sign_intervals[1:]]
+    changes_text = ", ".join(f"{change:.4g}" for change in changes if change < end)
+    if changes_text and judged.marches:
         notes.append(
-            f"the aerodynamic moment changes its sign at {turns} s: flights of the trim law through"
-            " all of the wind decide"
+            f"the aerodynamic moment changes its sign at {changes_text} s: flights of the trim law"
+            " through all of the wind decide"
         )
-    span = judged.path.time[0], judged.path.time[-1]
-    if any(march.motion.has_pair(*span) for march in judged.marches.values()):
+    if any(march.motion.has_pair(begin, end) for march in judged.marches.values()):
         notes.append(f"two unstable poles are a pair or equal for a while; K = 1 {WHOLE_TRIM}")
-    stable = judged.path.time[-1] if judged.marches else first
+    stable = end if judged.marches else first  # time from which on no mode is unstable
     if stable < last:
         notes.append(
             f"from {stable:.4g} to {last:.4g} s no mode is unstable: no deflection is required"

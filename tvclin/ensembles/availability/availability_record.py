@@ -135,17 +135,17 @@ class Availability(Tabled):
     def why(self) -> tuple[str, ...]:
         """Reason why a sounding is not judged, ``(n,)``; empty for a judged one."""
         undecided: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
-        reasons = zip(self.reasons, undecided, strict=True)
         wind_known = np.all(np.atleast_2d(self.wind_known), axis=0).tolist()
-        words = [_UNDECIDED if wind else "its wind is not known far enough" for wind in wind_known]
+        unknown_wind = "its wind is not known far enough"
         return tuple(
-            reason or word * open_ for (reason, open_), word in zip(reasons, words, strict=True)
+            reason or ("" if not is_open else _UNDECIDED if is_known else unknown_wind)
+            for reason, is_open, is_known in zip(self.reasons, undecided, wind_known, strict=True)
         )
 
     @property
     def judged_in_all(self) -> tuple[float, float]:
         """First and last time [s] of the flight interval that is judged in every sounding."""
-        begins, ends = self.judged[~np.isnan(self.judged[:, 0])].T
+        begins, ends = self.judged[~np.isnan(self.judged[:, 0])].T  # of the judged soundings
         first, last = self.judge.flight.span
         return float(begins.max(initial=first)), float(ends.min(initial=last))
 
@@ -162,14 +162,14 @@ class Availability(Tabled):
         """
         fraction = errors.number("fraction", fraction, errors.between(0.0, 1.0))
         all_soundings = np.ones(len(self.soundings), dtype=bool)
-        ends = [
+        unknown_lost, unknown_flown = (
             self._rows(self._fractions(self.limit, all_soundings, unknown))
             for unknown in (0.0, 1.0)
-        ]
+        )
         return self._plain(
             [
                 True if low.lower >= fraction else False if high.upper < fraction else None
-                for low, high in zip(*ends, strict=True)
+                for low, high in zip(unknown_lost, unknown_flown, strict=True)
             ]
         )
 
@@ -210,11 +210,11 @@ class Availability(Tabled):
             judged = ~np.isnan(upper)
             if not np.any(judged):
                 return np.full(fractions.shape, np.nan)
-            # fraction that flies, of the judged soundings, with each upper bound as the limit
+            # numbers of soundings that fly, and do not, with each upper bound as the limit
             high, low = np.sort(upper[judged]), np.sort(lower[judged])
             flown = np.searchsorted(high, high, side="right")
-            insufficient = low.size - np.searchsorted(low, high, side="right")
-            fraction = flown / np.maximum(flown + insufficient, 1)
+            not_flown = low.size - np.searchsorted(low, high, side="right")
+            fraction = flown / np.maximum(flown + not_flown, 1)
             index = np.searchsorted(fraction, fractions * (1.0 - 1e-12))  # but for rounding
             return np.append(high, np.inf)[np.minimum(index, high.size)]
 
@@ -237,17 +237,24 @@ class Availability(Tabled):
         """
         errors.instance("profile", profile, WindProfile, "see read_sounding")
         sounding = Soundings.from_profiles([profile], ["2000-01-01"])  # its time does not count
-        limits = self.limit - self.persistence  # what is left for the wind of the balloon
+        limits = self.limit - self.persistence  # [rad] that remain for the wind of the balloon
         required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
         first, last = required.judged[0].tolist()
         verdicts = []
-        for a, archive in enumerate(np.atleast_2d(self.upper)):
+        for a, archive in enumerate(np.atleast_2d(self.upper)):  # by azimuth
             bounds = (required.lower[a, 0], required.upper[a, 0])
             lower, upper = (float(bound + self.persistence[a]) for bound in bounds)
             judged = archive[~np.isnan(archive)]
             below = float(np.mean(judged < upper * _LOWER_RATIO)) if judged.size else float("nan")
             verdicts.append(
-                Today(lower, upper, self.limit, below, (first, last), required.reasons[0])
+                Today(
+                    lower=lower,
+                    upper=upper,
+                    limit=self.limit,
+                    archive_fraction=below,
+                    judged=(first, last),
+                    why=required.reasons[0],
+                )
             )
         return self._plain(verdicts)
 
@@ -346,8 +353,8 @@ class Availability(Tabled):
         with np.errstate(invalid="ignore"):
             sufficient = np.asarray(covers(limit, self.upper))
             insufficient = ~np.asarray(covers(limit, self.lower))
-        decided = ~np.isnan(self.lower)
-        return np.where(decided & sufficient, 1.0, np.where(decided & insufficient, 0.0, np.nan))
+        known = ~np.isnan(self.lower)
+        return np.where(known & sufficient, 1.0, np.where(known & insufficient, 0.0, np.nan))
 
     def _fractions(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
         """Return the `SurvivalFraction` of selected soundings with a limit [rad], by azimuth.

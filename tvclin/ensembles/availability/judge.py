@@ -133,12 +133,12 @@ class Judge:
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
         return cls(
-            flight,
-            path,
-            Additions(growth, gust, gust_speed, pressure),
-            _judged_interval(flight, model, planes),
-            planes,
-            azimuths,
+            flight=flight,
+            path=path,
+            additions=Additions(growth=growth, gust=gust, gust_speed=gust_speed, pressure=pressure),
+            interval=_judged_interval(flight, model, planes),
+            planes=planes,
+            azimuths=azimuths,
             **options,
         )
 
@@ -158,6 +158,7 @@ class Judge:
                 reasons[i] = reasons[i] or reason
         index = np.flatnonzero([not reason for reason in reasons])  # soundings that may be judged
         done = len(soundings) - index.size
+        # batches: indices of soundings, heights [m] between which they are judged, and winds
         for cases, within, winds in self._together(soundings, index):
             heights[cases] = within
             done += cases.size
@@ -169,40 +170,46 @@ class Judge:
             if progress is not None:
                 progress(done, len(soundings))
         # NaN of heights: beyond linear aerodynamics; of bounds: no wind has the angle of the gust
-        steep, unknown = np.isnan(heights[:, 0]), np.isnan(lower).any(axis=0)
+        too_fast, too_flat = np.isnan(heights[:, 0]), np.isnan(lower).any(axis=0)
         reasons = [
             reason or (TOO_FAST if fast else TOO_FLAT if flat else "")
-            for reason, fast, flat in zip(reasons, steep, unknown, strict=True)
+            for reason, fast, flat in zip(reasons, too_fast, too_flat, strict=True)
         ]
-        times = np.interp(heights, self.path.height, self.path.time)
-        return Requirements(lower, upper, lowest, wind_known, reasons, times)
+        return Requirements(
+            lower=lower,
+            upper=upper,
+            lowest=lowest,
+            wind_known=wind_known,
+            reasons=reasons,
+            judged=np.interp(heights, self.path.height, self.path.time),
+        )
 
     def decided(
         self, soundings: Soundings, bounds: Requirements, limits: FloatArray
     ) -> tuple[Requirements, list[str]]:
         """Return requirements narrowed by flights where these decide on limits [rad]; and notes.
 
-        `bounds`: requirements of the soundings without flights. `limits`: for the requirement, by
-        azimuth, ``(a,)``; a negative one counts as zero. A
-        sounding whose bounds lie to both sides of the limit, and that does not survive with it, is
-        flown for what it requires, if all its wind is known. One that survives with less than its
-        lower bound has the limit for its requirement.
+        `bounds`: requirements of the soundings without flights. `limits`: by azimuth, ``(a,)``; a
+        negative one counts as zero. A sounding whose bounds lie to both sides of the limit, and
+        that does not survive with it, is flown for what it requires, if all its wind is known. One
+        that survives with less than its lower bound has the limit for its requirement.
         """
         limit = np.maximum(limits, 0.0)[:, np.newaxis]
         lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
         with np.errstate(invalid="ignore"):  # NaN where nothing can be said
             between = (lower <= limit) & (limit < upper)
             below = bounds.wind_known & (bounds.lowest <= limit) & (limit < lower)
-        survive, index = np.zeros(lower.shape, dtype=bool), np.any(between | below, axis=0)
-        for batch, within, winds in self._together(soundings, np.flatnonzero(index)):
+        survive, flown = np.zeros(lower.shape, dtype=bool), between | below  # (a, n) each
+        index = np.flatnonzero(np.any(flown, axis=0))
+        for batch, within, winds in self._together(soundings, index):
             for a, wind_known in product(range(limits.size), (True, False)):
                 selected = np.flatnonzero(
-                    (between | below)[a, batch] & (bounds.wind_known[a, batch] == wind_known)
+                    flown[a, batch] & (bounds.wind_known[a, batch] == wind_known)
                 )
                 if not selected.size:
                     continue
                 cases, selection = batch[selected], (winds.select(selected), within[selected], a)
-                marched = list(self._marched(*selection))
+                marched = list(self._marched(*selection))  # indices of planes, and winds in them
                 if not wind_known:
                     marched += self._marched(*selection, strong=True)
                 survive[a, cases] = self._survive(marched, float(limit[a, 0]))
@@ -210,16 +217,16 @@ class Judge:
                 if wind_known and fail.size:
                     required = [(p, in_plane.requirement(fail)) for p, in_plane in marched]
                     lower[a, cases[fail]] = upper[a, cases[fail]] = self._in_planes(required)
-        upper = np.where((between | below) & survive, limit, upper)
+        upper = np.where(flown & survive, limit, upper)
         lower = np.where(below & survive, limit, lower)
-        if flown := int(np.sum((between & (bounds.wind_known | survive)).any(axis=0))):
+        if count := int(np.sum((between & (bounds.wind_known | survive)).any(axis=0))):
             notes.append(
-                f"{flown} soundings whose trim reaches the limit more than once were flown with"
+                f"{count} soundings whose trim reaches the limit more than once were flown with"
                 " trim"
             )
-        if fewer := int(np.sum((below & survive).any(axis=0))):
+        if count := int(np.sum((below & survive).any(axis=0))):
             notes.append(
-                f"of the soundings that fly {fewer} have a bound of their requirement above the"
+                f"of the soundings that fly {count} have a bound of their requirement above the"
                 " limit: a flight of the trim law survives with it"
             )
         return replace(bounds, lower=lower, upper=upper), notes
@@ -235,7 +242,7 @@ class Judge:
         """
         index = index[np.argsort(soundings.counts[index], kind="stable")]  # by number of levels
         together = SoundingWinds.of(soundings[index], self.path)
-        # levels of the soundings and heights of the flight, of all soundings before and with each
+        # numbers of breakpoints, levels and heights of the flight, up to and with each sounding
         ends = np.cumsum(np.diff(together.offsets) + self.path.height.size)
         cuts = np.arange(_MAX_LEVELS_PER_MARCH, ends.max(initial=0), _MAX_LEVELS_PER_MARCH)
         for batch in filter(np.size, np.split(np.arange(index.size), np.searchsorted(ends, cuts))):
@@ -247,11 +254,10 @@ class Judge:
 
         They end below, or begin above, the height of the largest dynamic pressure, or are too low.
         """
-        empty = soundings.counts == 0
-        ends = np.minimum(soundings.offsets, max(soundings.height.size - 1, 0))
-        level = np.append(soundings.height, np.nan)
-        bottom = np.where(empty, np.nan, level[ends[:-1]])
-        top = np.where(empty, np.nan, level[np.maximum(soundings.offsets[1:] - 1, 0)])
+        bottom, top = np.full((2, len(soundings)), np.nan)  # [m]; NaN without a level
+        full = soundings.counts > 0
+        bottom[full] = soundings.height[soundings.offsets[:-1][full]]
+        top[full] = soundings.height[soundings.offsets[1:][full] - 1]
         densest = self.path.densest  # height [m] of the largest dynamic pressure
         with np.errstate(invalid="ignore"):
             reasons = [(TOO_LOW, top < densest), (TOO_HIGH, bottom > densest)]
@@ -262,10 +268,11 @@ class Judge:
     def _bounds_of_unknown(
         self, winds: SoundingWinds, within: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
-        """Return bounds lower, upper, lowest [rad] and wind_known of `Requirements`, ``(a, n)``.
+        """Return bounds of required deflections [rad], and whether they need no unknown wind.
 
-        Unknown winds are calm, and strong. `within`: heights [m] between which the n winds are
-        judged, ``(n, 2)``.
+        The bounds are the lower, the upper, and the lowest limit with which a flight may survive.
+        All are ``(a, n)``, with winds that are not known calm, and strong. `within`: heights [m]
+        between which the n winds are judged, ``(n, 2)``.
         """
         lower, upper, lowest = self._bounds(winds, within)
         wind_known = np.ones(lower.shape, dtype=bool)
@@ -281,10 +288,11 @@ class Judge:
     def _bounds(
         self, soundings: SoundingWinds, within: FloatArray, strong: bool = False
     ) -> FloatArray:
-        """Return lower, upper and lowest [rad] of `Bounds`, of all planes, ``(3, a, n)``.
+        """Return the lower and upper bound, and the lowest limit to survive [rad], ``(3, a, n)``.
 
-        `within`: heights [m] between which the n winds of `soundings` are judged, ``(n, 2)``.
-        `strong`: whether a wind that is not known is strong, or calm.
+        They are of all planes, for a azimuths. `within`: heights [m] between which the n winds of
+        `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not known is strong, or
+        calm.
         """
         towards = []  # one array (3, n) for each azimuth
         for a in range(self.azimuths.size):
@@ -317,22 +325,23 @@ class Judge:
         be survived. With a round limit shape the limit is divided between the planes in the ratio
         of their bounds.
         """
-        lower = np.zeros((len(self.planes), *marched[0][1].bounds.lower.shape))
+        _, first_winds = marched[0]
+        lower = np.zeros((len(self.planes), *first_winds.bounds.lower.shape))  # by plane
         for p, winds in marched:
             np.maximum(lower[p], winds.bounds.lower, out=lower[p])
         size, share = np.hypot.reduce(lower), np.ones(lower.shape)
         if self.limit_shape == "round":
-            share = np.divide(lower, size, out=share, where=size > 0.0)
-        survives = np.ones(size.shape, dtype=bool)
-        flown = []
+            np.divide(lower, size, out=share, where=size > 0.0)
+        limits, survives = share * limit, np.ones(size.shape, dtype=bool)
+        undecided_winds = []
         for p, winds in marched:
-            undecided, insufficient = winds.undecided(share[p] * limit)
+            undecided, insufficient = winds.undecided(limits[p])
             survives &= ~insufficient
-            flown.append((winds, share[p] * limit, undecided))
-        for winds, limits, undecided in flown:
+            undecided_winds.append((winds, limits[p], undecided))
+        for winds, limits_of_plane, undecided in undecided_winds:
             cases = np.flatnonzero(undecided & survives)
             if cases.size:
-                survives[cases] = winds.survive(limits, cases)
+                survives[cases] = winds.survive(limits_of_plane, cases)
         return survives
 
     def _marched(
@@ -359,9 +368,9 @@ class Judge:
         for plane, march in interval.marches.items():
             p = self.planes.index(plane)
             for sign, winds in self._of_signs(along, plane, soundings, height, strong):
-                for gusty in march.with_gusts(winds, sign, self.additions):
-                    bounds = march.bounds(gusty, pressure)
-                    yield p, MarchedWinds(march, gusty, bounds, pressure)
+                for with_gust in march.with_gusts(winds, sign, self.additions):
+                    bounds = march.bounds(with_gust, pressure)
+                    yield p, MarchedWinds(march, winds=with_gust, bounds=bounds, pressure=pressure)
 
     def _of_signs(
         self,
@@ -380,7 +389,7 @@ class Judge:
         if not strong and self.additions.symmetric:
             yield 1.0, along
             return
-        wind, growth = along.speeds[plane], self.additions.grown(height)
+        wind, growth = along.speeds[plane], self.additions.grown(height)  # [m/s]
         unknown, size = np.zeros(height.shape, dtype=bool), wind
         if strong:
             unknown = soundings.unknown(height)
@@ -393,17 +402,17 @@ class Judge:
 
 @lru_cache(maxsize=8)
 def _judged_interval(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> FlightInterval:
-    """Return the judged interval of a flight with a linear model, which ends where it is stable.
+    """Return the judged interval of a flight, up to the last interval with an unstable mode.
 
-    `planes`: planes of the motion. Cached by flight, model and planes.
+    `model`: its linear model. `planes`: planes of the motion, of which the later end counts.
+    Without an unstable mode it is the whole flight, without equations. Cached by its arguments.
     """
     modes = [FlightMode(flight, model, plane, flight.span) for plane in planes]
     unstable = [mode.until_stable for mode in modes if mode.unstable]
     if not unstable:
-        return FlightInterval(FlightPath.of(flight), {})
+        return FlightInterval(FlightPath.of(flight), marches={})
     judged = max((mode.schedule for mode in unstable), key=lambda schedule: schedule.span[1])
     motions = [FlightMode(judged, model, mode.plane, judged.span) for mode in unstable]
     fastest, path = max(motions, key=lambda motion: motion.fastest.max()), FlightPath.of(judged)
-    return FlightInterval(
-        path, {mode.plane: PlaneMarch(path, mode.plane, mode, fastest) for mode in motions}
-    )
+    marches = {mode.plane: PlaneMarch(path, mode.plane, mode, fastest) for mode in motions}
+    return FlightInterval(path, marches)

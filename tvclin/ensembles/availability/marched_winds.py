@@ -100,9 +100,9 @@ class PlaneMarch:
         flight may still diverge.
         """
         steps = time_varying.even_steps(self.fastest, self._span, time_varying.FLIGHT_SUBSTEPS)
-        calm = np.zeros(steps.shape)  # wind and pressure are not used: only times are needed here
-        even_equations = self._steps[1]
-        times, _, _ = time_varying.with_calm_after(even_equations, steps, calm, calm)
+        unused = np.zeros(steps.shape)  # in place of wind and dynamic pressure
+        _, even_equations = self._steps
+        times, *_unused = time_varying.with_calm_after(even_equations, steps, unused, unused)
         return steps, self.motion.at_steps(times)
 
     @property
@@ -136,16 +136,17 @@ class PlaneMarch:
         """Return bounds of the required deflections [rad] of n winds.
 
         They are equal unless flights of the trim law decide (`time_varying.decided_by_flights`),
-        which are not flown here, except with `Bounds.highest` where even that may diverge.
-        `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
+        which are not flown here, except with a limit that the law never reaches, where even with
+        that it may diverge. `pressure`: whether the dynamic pressure encountered counts, or the
+        nominal one.
         """
         steps, equations = self._steps
         encountered = self.path.encountered(steps, winds, self.plane, pressure)
-        march = time_varying.curves(equations, *encountered)
-        (limit, _), highest = self._limit(march), march.highest_limit
+        march = time_varying.curves(equations, *encountered)  # trim and demand over time
+        (limit, _time), highest = self._limit(march), march.highest_limit
         limit = np.maximum(limit, self._limit_at_levels(winds, pressure, march, encountered))
         if np.any(equations.paired):
-            return Bounds(limit, limit, limit, highest)
+            return Bounds(lower=limit, upper=limit, lowest=limit, highest=highest)
         minimum = np.zeros(limit.shape)
         for cases, peaks in time_varying.peaks_over_modes(equations, encountered, march.path):
             minimum[cases] = peaks[:, 0]  # from the begin of the first step on
@@ -156,8 +157,10 @@ class PlaneMarch:
             upper = np.maximum(limit, highest)
         if self._law_may_diverge:
             never = self.flights(winds, pressure).diverge(highest[:, np.newaxis])[:, 0]
-            return Bounds(limit, np.where(never, np.inf, upper), lowest, highest)
-        return Bounds(limit, np.where(flown, upper, limit), lowest, highest)
+            upper = np.where(never, np.inf, upper)
+        else:
+            upper = np.where(flown, upper, limit)
+        return Bounds(lower=limit, upper=upper, lowest=lowest, highest=highest)
 
     @cached_property
     def _law_may_diverge(self) -> bool:
@@ -192,9 +195,10 @@ class PlaneMarch:
         counts, or the nominal one.
         """
         steps, equations = self._steps
-        acceleration = equations.nominal[..., 1, :]  # of the attitude; last deflection, then wind
+        # row of the angular acceleration in [A b w], whose last columns are deflection and wind
+        acceleration = equations.nominal[..., 1, :]
         static = -acceleration[..., -1] / acceleration[..., -2]  # trim over wind angle: -B
-        _, angle, ratio, _ = encountered
+        _times, angle, ratio, _onset = encountered
         of_drift, static, paired = (  # at the first begin and the ends of all steps
             np.concatenate([x[:, :1, 0], x[..., 2]], axis=1)
             for x in (march.trim - static * ratio * angle, static, equations.paired)
@@ -205,7 +209,8 @@ class PlaneMarch:
         trim = on_lines(np.broadcast_to(ends, of_drift.shape), of_drift, times)
         trim += np.interp(times, ends, static[0]) * ratio * angle
         case = np.broadcast_to(np.arange(len(times))[:, np.newaxis], times.shape)
-        demand = march.demand_at(case, (times - ends[0]) / (ends[1] - ends[0]))
+        position = (times - ends[0]) / (ends[1] - ends[0])  # in steps, which are even
+        demand = march.demand_at(case, position)
         is_paired = np.interp(times, ends, paired[0]) > 0.0
         level = np.where(is_paired, np.abs(trim), smaller(trim, demand, None))
         return np.asarray(level.max(axis=1))
@@ -221,16 +226,17 @@ class PlaneMarch:
         if gust is None:
             return [winds]
         angle = sign * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
-        calm, top = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
+        calm, largest = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
         _, equations = self._steps
-        middle = equations.nominal[0, :, 1, 1]  # angular acceleration; last deflection, then wind
-        trim_per_wind = -np.sum(middle[:, -1] / middle[:, -2])  # only its sign counts
+        # row of the angular acceleration in [A b w], in the middle of each step
+        acceleration = equations.nominal[0, :, 1, 1]
+        trim_per_wind = -np.sum(acceleration[:, -1] / acceleration[:, -2])  # its sign counts
         march = self.curves(winds, additions.pressure)
-        _, at_limit = self._limit(march, float(np.sign(trim_per_wind)) * sign)
+        _limit, limit_time = self._limit(march, float(np.sign(trim_per_wind)) * sign)
         speed = partial(self._gust_speed, sign, additions, calm)
         return [
             winds.with_gust(gust, self.plane, at, speed)
-            for at in (times[np.arange(top.size), top], at_limit)
+            for at in (times[np.arange(largest.size), largest], limit_time)
         ]
 
     def _gust_speed(
@@ -256,10 +262,10 @@ class PlaneMarch:
         `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
         """
         steps, equations = self._flight_steps
+        _, even_equations = self._steps
         *encountered, onset = self.path.encountered(steps, winds, self.plane, pressure)
-        return time_varying.LimitedFlights(
-            equations, *time_varying.with_calm_after(self._steps[1], *encountered), onset
-        )
+        times, wind, ratio = time_varying.with_calm_after(even_equations, *encountered)
+        return time_varying.LimitedFlights(equations, times, wind, ratio, onset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,11 +284,12 @@ class MarchedWinds:
     def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
         """Return whether limits [rad] must be flown, and whether they are insufficient, ``(n,)``.
 
-        A limit below all bounds is insufficient, one above all sufficient; between, flights decide.
-        `limit`: a limit for each wind, ``(n,)``.
+        A limit below the lowest with which a flight may survive is insufficient, one above the
+        upper bound sufficient; between, flights decide. `limit`: a limit for each wind, ``(n,)``.
         """
         insufficient = limit < self.bounds.lowest
-        return (self.bounds.upper > limit) & ~insufficient, insufficient
+        undecided = (self.bounds.upper > limit) & ~insufficient
+        return undecided, insufficient
 
     def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
         """Return whether flights survive with limits [rad] and with all above them.
@@ -299,9 +306,9 @@ class MarchedWinds:
         `cases`: indices of the winds, in whose order the answers are.
         """
         b, required = self.bounds, self.bounds.lower[cases]
-        open_cases = np.flatnonzero((b.upper > b.lowest)[cases])
-        if open_cases.size:
-            flown = cases[open_cases]
+        undecided = np.flatnonzero((b.upper > b.lowest)[cases])
+        if undecided.size:
+            flown = cases[undecided]
             flights = self.march.flights(self.winds.select(flown), self.pressure)
-            required[open_cases] = flights.requirement(b.lowest[flown], b.highest[flown])
+            required[undecided] = flights.requirement(b.lowest[flown], b.highest[flown])
         return required

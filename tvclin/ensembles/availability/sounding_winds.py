@@ -135,21 +135,23 @@ def grown_by(
     ``(a, n)`` for azimuths and soundings, NaN where unknown. `times`: times of the soundings,
     ``(n,)``. `InputError` where no two soundings are twelve hours apart.
     """
-    minutes = times.astype("datetime64[m]").astype(np.int64)
+    minutes, interval = times.astype("datetime64[m]").astype(np.int64), round(60 * HALF_DAY)
     order = np.argsort(minutes, kind="stable")
-    later = np.searchsorted(minutes[order], minutes[order] + round(60 * HALF_DAY))
+    # the first sounding at least twelve hours after each
+    later = np.searchsorted(minutes[order], minutes[order] + interval)
     has_later = later < times.size
     earlier, partner = order[has_later], order[later[has_later]]
-    pairs = minutes[partner] - minutes[earlier] == round(60 * HALF_DAY)
-    grown = need[:, partner[pairs]] - need[:, earlier[pairs]]
-    grown = grown[:, ~np.isnan(grown).any(axis=0)]
-    if not grown.shape[1]:
+    pairs = minutes[partner] - minutes[earlier] == interval
+    growths = need[:, partner[pairs]] - need[:, earlier[pairs]]
+    growths = growths[:, ~np.isnan(growths).any(axis=0)]
+    if not growths.shape[1]:
         raise errors.InputError(
             "persistence from pairs needs soundings 12 h apart that can be judged; there are"
             " none, so give an angle [rad]"
         )
+    # differences of a wind with a spectrum of the power -5/3 grow with this power of the interval
     scale = (growth.hours / HALF_DAY) ** (1 / 3)
-    return scale * np.quantile(grown, growth.quantile, axis=1), grown.shape[1]
+    return scale * np.quantile(growths, growth.quantile, axis=1), growths.shape[1]
 
 
 _EDGE_DISTANCE = 0.01
@@ -181,7 +183,8 @@ class FlightPath:
         """Return the path of a flight; `InputError` without altitude, or where none is gained."""
         time, height, speed, climb = checked_flight(flight)
         density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
-        return cls(height, time, speed, climb, float(height[np.argmax(density * speed**2)]))
+        densest = float(height[np.argmax(density * speed**2)])
+        return cls(height=height, time=time, speed=speed, climb=climb, densest=densest)
 
     def speed_and_climb(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return speed [m/s] and flight path angle [rad] at times [s]."""
@@ -190,7 +193,8 @@ class FlightPath:
     def fastest_wind(self, height: FloatArray) -> FloatArray:
         """Return the fastest wind [m/s] that is judged at heights [m], in their shape.
 
-        It is `MAX_WIND_SPEED`, or less where its angle would exceed `MAX_LINEAR_ANGLE`.
+        It is the largest speed that a sounding may have, or less where its angle would be beyond
+        linear aerodynamics, above 30 deg.
         """
         speed = np.interp(height, self.height, self.speed)
         return np.minimum(MAX_WIND_SPEED, np.sin(MAX_LINEAR_ANGLE) * speed)
@@ -228,7 +232,8 @@ class FlightPath:
         end [s], ``(1, S, 3)``. `plane`: plane of the angles, pitch or yaw, which are at most
         `MAX_LINEAR_ANGLE`.
         """
-        times, along, across, onset = winds.at_steps(np.append(steps[0, :, 0], steps[0, -1, 2]))
+        begins, last_end = steps[0, :, 0], steps[0, -1, 2]
+        times, along, across, onset = winds.at_steps(np.append(begins, last_end))
         return times, *self.angle_and_pressure(times, along, across, plane, pressure), onset
 
     def angle_and_pressure(
@@ -245,6 +250,7 @@ class FlightPath:
         if not pressure:
             return _angle(sine), np.ones(sine.shape)
         ratio = pressure_in_winds(climb, along / speed, across / speed)
+        # the airspeed in the plane, squared, over the nominal one: pitch has no wind across
         in_plane = pressure_in_winds(climb, along / speed) if plane == "pitch" else ratio
         return _angle(sine / np.sqrt(in_plane)), ratio
 
@@ -282,27 +288,30 @@ class SoundingWinds:
         wide[offsets[1:-1] - 1] = False  # between two soundings is no gap
         below = np.flatnonzero(wide)  # level below each gap; two levels are added after it
         at = np.repeat(below + 1, 2)
-        edges = np.stack(
-            [height[below] + _EDGE_DISTANCE, height[below + 1] - _EDGE_DISTANCE], axis=-1
-        ).ravel()
-        more = 2 * np.bincount(  # levels added in each sounding, after its first index
-            np.searchsorted(offsets, below, side="right"), minlength=offsets.size
-        )
+        edges = height[below] + _EDGE_DISTANCE, height[below + 1] - _EDGE_DISTANCE
+        sounding = np.searchsorted(offsets, below, side="right")  # whose gap it is, from one
+        added = 2 * np.bincount(sounding, minlength=offsets.size)
         return cls(
-            np.insert(height, at, edges),
-            np.insert(soundings.east, at, 0.0),
-            np.insert(soundings.north, at, 0.0),
-            offsets + np.cumsum(more[: offsets.size]),
-            below + 1 + 2 * np.arange(below.size),  # the first added level, among all levels
+            height=np.insert(height, at, np.stack(edges, axis=-1).ravel()),
+            east=np.insert(soundings.east, at, 0.0),
+            north=np.insert(soundings.north, at, 0.0),
+            offsets=offsets + np.cumsum(added[: offsets.size]),
+            # the first added level, among all levels
+            gaps=below + 1 + 2 * np.arange(below.size),
         )
 
     def select(self, index: NDArray[np.intp]) -> SoundingWinds:
         """Return the winds of soundings; `index`: their indices, in the order of the result."""
         offsets, levels = gather(self.offsets, index)
-        marked = np.zeros(self.height.size, dtype=bool)
-        marked[self.gaps] = True
-        height, east, north = (x[levels] for x in (self.height, self.east, self.north))
-        return SoundingWinds(height, east, north, offsets, np.flatnonzero(marked[levels]))
+        in_gap = np.zeros(self.height.size, dtype=bool)
+        in_gap[self.gaps] = True
+        return SoundingWinds(
+            height=self.height[levels],
+            east=self.east[levels],
+            north=self.north[levels],
+            offsets=offsets,
+            gaps=np.flatnonzero(in_gap[levels]),
+        )
 
     @property
     def bottom(self) -> FloatArray:
@@ -449,19 +458,19 @@ class LineWinds:
         are zero before their first time and after their last; the step in which a wind begins
         starts at its onset.
         """
-        knots, (n, k) = self.times, self.times.shape
+        knots, (n, k) = self.times, self.times.shape  # n winds of k - 1 straight lines
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
-        position = (knots - ends[0]) / length
+        position = (knots - ends[0]) / length  # in steps
         onset = np.clip(position[:, 0], 0.0, np.nextafter(float(steps), 0.0))
         first = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
         first += (steps + 2) * np.arange(n)[:, np.newaxis]  # the first end not before each knot
         begun = np.bincount(first.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
         # the straight line of each wind on which each end of a step lies
         line = np.clip(np.cumsum(begun, axis=1)[:, :-1] - 1, 0, k - 2)
-        flat = line + k * np.arange(n)[:, np.newaxis]
+        flat = line + k * np.arange(n)[:, np.newaxis]  # its index among those of all winds
         within = np.clip(ends, knots[:, :1], knots[:, -1:])
         inside, width = within == ends, np.diff(knots, append=knots[:, -1:])
-        after = within - knots.take(flat)
+        after = within - knots.take(flat)  # time [s] since the begin of the line
         late = np.flatnonzero(onset > 0.0)  # winds that begin after the first step does
         begins = np.floor(onset[late]).astype(np.int64)
         times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
@@ -475,7 +484,7 @@ class LineWinds:
             slope = np.divide(rise, width, out=np.zeros_like(width), where=width > 0.0)
             areas = width * (wind + 0.5 * rise)  # integral of each line
             begin, slopes = wind.take(flat), slope.take(flat)
-            area = np.cumsum(areas, axis=1).take(flat) - areas.take(flat)
+            area = np.cumsum(areas, axis=1).take(flat) - areas.take(flat)  # of all lines before
             mean = np.diff(area + (begin + 0.5 * slopes * after) * after) / length
             values = np.where(inside, begin + slopes * after, 0.0)
             samples = np.empty((n, steps, 3))
@@ -501,11 +510,11 @@ class LineWinds:
         """
         times = self.times
         middle = 0.5 * (gust.onset + gust.end)
-        parts = np.linspace(gust.onset, gust.end, _GUST_SEGMENTS + 1)
-        inside = np.clip(at[:, np.newaxis] + parts - middle, times[:, :1], times[:, -1:])
+        samples = np.linspace(gust.onset, gust.end, _GUST_SEGMENTS + 1)  # in the gust's own time
+        inside = np.clip(at[:, np.newaxis] + samples - middle, times[:, :1], times[:, -1:])
         finer = np.sort(np.concatenate([times, inside], axis=1), axis=1)
-        # the gust in its own time, zero before and after
-        angle = np.interp(finer - at[:, np.newaxis] + middle, parts, gust(parts), 0.0, 0.0)
+        gust_times = finer - at[:, np.newaxis] + middle
+        angle = np.interp(gust_times, samples, gust(samples), left=0.0, right=0.0)
         speeds = {name: on_lines(times, values, finer) for name, values in self.speeds.items()}
         return LineWinds(finer, speeds | {plane: speeds[plane] + speed(angle, finer)})
 

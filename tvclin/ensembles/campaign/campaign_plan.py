@@ -72,8 +72,10 @@ class SoundingEnsemble(WindEnsemble):
         if any(wind.gust is not None for wind in winds):
             raise errors.InputError("soundings of an ensemble must have no gust")
         time = np.unique(np.concatenate([wind.wind.time for wind in winds]))
-        rows = [np.interp(time, wind.wind.time, wind.wind.angle, 0.0, 0.0) for wind in winds]
-        return cls(time, np.stack(rows), winds)
+        angles = [  # [rad] at all times, zero where a sounding is not known
+            np.interp(time, wind.wind.time, wind.wind.angle, left=0.0, right=0.0) for wind in winds
+        ]
+        return cls(time=time, angle=np.stack(angles), soundings=winds)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,8 +179,9 @@ def _with_modes(flight: FlightSchedule, factors: Mapping[str, float]) -> FlightS
     if flight.structure is None:
         raise errors.InputError("factors on modes need a flight with a structure over time")
     structure = flight.structure.structure
-    numbers = [mode_factors(structure, factors, number) for number in ("frequency", "damping")]
-    changed = structure_with_mode_factors(structure, *numbers)
+    frequencies = mode_factors(structure, factors, "frequency")
+    dampings = mode_factors(structure, factors, "damping")
+    changed = structure_with_mode_factors(structure, frequencies, dampings)
     return replace(flight, structure=replace(flight.structure, structure=changed))
 
 

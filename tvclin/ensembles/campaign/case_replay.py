@@ -258,14 +258,15 @@ class Replay:
         if replayed.law is None or self.campaign.nozzle.limit is None:
             raise InputError('the campaign flies nothing: it has no output "flight"')
         hardware = self.campaign.hardware
-        poles = np.real(unstable_modes(replayed.batch.plant).poles)
-        begin, rate = float(wind.onset), hardware["sample_rate"]
+        poles = np.real(unstable_modes(replayed.batch.plant).poles)  # [1/s]
+        begin, rate = float(wind.onset), hardware["sample_rate"]  # [s], [Hz]
         end = float(wind.end) + (_FLOWN_TIME_CONSTANTS / float(poles.max()) if poles.size else 0.0)
+        samples = np.arange(int(np.ceil((end - begin) * rate)) + 1)
         return fly(
             replayed.batch.flying,
             replayed.law,
             wind,
-            begin + np.arange(int(np.ceil((end - begin) * rate)) + 1) / rate,
+            begin + samples / rate,
             deflection_limit=self.campaign.nozzle.limit * replayed.share,
             **hardware,
         )
@@ -304,9 +305,9 @@ def _extremes(
         response = response_of()
     except InputError:
         return {}
-    # from here on the linear response has no meaning
-    fallen = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
-    end = int(fallen[0]) if fallen.size else response.time.size - 1
+    # beyond this attitude the linear response has no meaning
+    beyond = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
+    end = int(beyond[0]) if beyond.size else response.time.size - 1
     peaks = {
         f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name][: end + 1]).max()))
         for name in names
@@ -342,8 +343,10 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
     status = str(row.pop("status")[0])
     del row["case"]
     inputs = {name: float(row.pop(name)[0]) for name in drawn.values}
-    outputs = {name: float(values[0]) for name, values in row.items()}
-    return Replay(campaign, case, inputs, outputs, status, planes)
+    outputs = {name: float(values[0]) for name, values in row.items()}  # the other columns
+    return Replay(
+        campaign=campaign, case=case, inputs=inputs, outputs=outputs, status=status, planes=planes
+    )
 
 
 def _planes(campaign: Campaign, batch: Batch) -> dict[str, ReplayedPlane]:
@@ -352,9 +355,9 @@ def _planes(campaign: Campaign, batch: Batch) -> dict[str, ReplayedPlane]:
     shares = shares_of(campaign, batch) if batch.plane_batches else {}
     return {
         plane: ReplayedPlane(
-            in_plane.first,
-            law_of(campaign.plane_campaigns[plane], in_plane) if flies else None,
-            float(np.ravel(shares.get(plane, 1.0))[0]),
+            batch=in_plane.first,
+            law=law_of(campaign.plane_campaigns[plane], in_plane) if flies else None,
+            share=float(np.ravel(shares.get(plane, 1.0))[0]),
         )
         for plane, in_plane in (batch.plane_batches or {campaign.plane: batch}).items()
     }

@@ -156,9 +156,16 @@ def _plane_batch(
     `count`: number n of the cases.
     """
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
-    gains = {name: values.get(name, value) for name, value in campaign.gains.items()}
-    flexible = _flexible(campaign, vehicle, values)
-    return Batch(plant, wind, gains, count, vehicle, wind_angle, flexible, values)
+    return Batch(
+        plant=plant,
+        wind=wind,
+        gains={name: values.get(name, value) for name, value in campaign.gains.items()},
+        count=count,
+        vehicle=vehicle,
+        wind_angle=wind_angle,
+        flexible=_flexible(campaign, vehicle, values),
+        values=values,
+    )
 
 
 def _flexible(

@@ -343,32 +343,26 @@ def _work(
     sweep(folder)
     first, step = _shard(shard)
     chunks = range(first, campaign.chunks, step)
-    total, done = sum(campaign.span(k)[1] for k in chunks), 0
+    sizes = {k: campaign.span(k)[1] for k in chunks}  # number of cases by chunk
+    total, done = sum(sizes.values()), 0
     if executor is not None and not available():
-        _count_work(campaign, total)
+        # workers without numba do not warn that they are slow: a case here warns of all cases
+        with pinned(False), repeated(total):
+            evaluate(campaign, 0, 1)
     for group in _groups(campaign, chunks):
-        todo = []
+        unfinished = []
         for k in group:
             if flaw(folder, manifest, k) is None:
-                done += campaign.span(k)[1]
+                done += sizes[k]
             else:
-                todo.append(k)
-        for k in _finished(todo, str(folder.absolute()), manifest.seal, executor):
-            done += campaign.span(k)[1]
+                unfinished.append(k)
+        for k in _finished(unfinished, str(folder.absolute()), manifest.seal, executor):
+            done += sizes[k]
             if progress is not None:
                 progress(done, total)
         if campaign.until is not None and CampaignResults.read(folder).converged:
             break
     return CampaignResults.read(folder)
-
-
-def _count_work(campaign: Campaign, cases: int) -> None:
-    """Warn in this process of slow workers without numba: of `cases` times a case of a campaign.
-
-    The workers themselves print no warning.
-    """
-    with pinned(False), repeated(cases):
-        evaluate(campaign, 0, 1)
 
 
 def _groups(campaign: Campaign, chunks: range) -> Iterator[range]:
@@ -428,7 +422,7 @@ def _shard(text: str | None) -> Shard:
     if text is None:
         return 0, 1
     match = re.fullmatch(r"(\d{1,12})/(\d{1,12})", text) if isinstance(text, str) else None
-    index, count = map(int, match.groups()) if match else (0, 0)
+    index, count = map(int, match.groups()) if match else (0, 0)  # zeros are refused
     if not 1 <= index <= count:
         raise InputError(f"shard must be i/n with i from 1 to n, such as 3/16; got {shown(text)}")
     return index - 1, count

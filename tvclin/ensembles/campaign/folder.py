@@ -209,7 +209,7 @@ def read(record: Any) -> Any:
         return record
     members = {name: read(item) for name, item in record.items() if name != "kind"}
     try:
-        if "kind" not in record:
+        if "kind" not in record:  # a complex array
             return np.array(members["real"]) + 1j * np.array(members["imag"])
         if record["kind"] == Pieces.__name__:
             members = {name: np.array(item) for name, item in members.items()}

@@ -109,14 +109,14 @@ class Batch:
         """Batch of the first case alone, with scalars in place of a batch axis."""
         shape = (self.count,)
         return Batch(
-            self.plant.case(0, shape),
-            self.wind.case(0, shape),
-            {name: float(np.ravel(value)[0]) for name, value in self.gains.items()},
-            1,
-            select_cases(self.vehicle, 0, shape),
-            np.ravel(self.wind_angle)[0],
-            None if self.flexible is None else self.flexible.cases(0, shape),
-            {name: value[:1] for name, value in self.values.items()},
+            plant=self.plant.case(0, shape),
+            wind=self.wind.case(0, shape),
+            gains={name: float(np.ravel(value)[0]) for name, value in self.gains.items()},
+            count=1,
+            vehicle=select_cases(self.vehicle, 0, shape),
+            wind_angle=np.ravel(self.wind_angle)[0],
+            flexible=None if self.flexible is None else self.flexible.cases(0, shape),
+            values={name: value[:1] for name, value in self.values.items()},
         )
 
 
@@ -314,12 +314,13 @@ def flights_along(campaign: Campaign, batch: Batch, case: int) -> list[FlownFlig
     flight, autopilot = plan.flight, plan.autopilot
     if values:
         flight, autopilot = dispersed_flight(plan, campaign.dispersions, campaign.nominal, values)
-    flights, first, last = [], plan.span[0], plan.stop
-    # without a specified start a flight begins with its wind
-    for wind in _winds_along(campaign, flight, batch.wind.case(case, (batch.count,)), values):
+    flights, (first, _last), wind_of_case = [], plan.span, batch.wind.case(case, (batch.count,))
+    for wind in _winds_along(campaign, flight, wind_of_case, values):
+        known_from, known_to = wind.known  # [s]
+        # without a specified start a flight begins with its wind
         start = float(wind.history.onset) if plan.start is None else first
-        start = max(start, first, wind.known[0])
-        stop = None if last is None else min(last, wind.known[1])
+        start = max(start, first, known_from)
+        stop = None if plan.stop is None else min(plan.stop, known_to)
         along = checked_flight(flight, autopilot, wind, start, stop, campaign.model, campaign.plane)
         flights.append(replace(along, scheduled=plan.flight))
     return flights
@@ -343,7 +344,8 @@ def _winds_along(
             wind_sign = "tail" if float(wind.peak) > 0.0 else "head"
         return [wind_along(flight, wind, plane, wind_sign)]
     time = float(np.asarray(campaign.vehicle.time))
-    placed = place(wind, campaign.vehicle, time, PEAK, 1.0).in_flight
+    # the window, of 1 s here, is not used for a wind placed by its peak
+    placed = place(wind, campaign.vehicle, time, placing=PEAK, window=1.0).in_flight
     directions = directions_of(campaign) or (FROZEN,)
     signs = [name if name == FROZEN or plane == "pitch" else None for name in directions]
     return [wind_along(flight, placed, plane, name) for name in signs]
@@ -431,14 +433,15 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     are three columns: for the limit shape, pitch and yaw.
     """
     name, vehicles = required_name(dead_band), batch.vehicle.rigid
+    # function from a plane to the requirements there; None where the nominal pressure counts
     at_encountered = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
     if not batch.plane_batches:
         plant, wind, shape = batch.plant, batch.wind, (batch.count,)
-        # zero and infinite requirements stand as they are at nominal dynamic pressure
-        special = np.broadcast_to(may_be_zero_or_infinite(plant, wind, dead_band), shape)
         required = at_encountered(campaign.plane)
         if required is None:
             return {name: np.abs(required_deflection(plant, wind, dead_band).deflection)}
+        # zero and infinite requirements stand as they are at nominal dynamic pressure
+        special = np.broadcast_to(may_be_zero_or_infinite(plant, wind, dead_band), shape)
         if np.any(special):
             cases = np.flatnonzero(special)
             plants, winds = plant.cases(cases, shape), wind.cases(cases, shape)
@@ -453,13 +456,13 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
         for plane in batch.plane_batches
     }
     combined = rectangle(limit_shape, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
-    # where the vector of both planes requires more, it rises as the plane that rises most
+    # where the vector of both planes requires more than the planes by themselves, it is taken to
+    # rise from nominal to encountered pressure as that of the plane that rises most
     with np.errstate(divide="ignore", invalid="ignore"):
         ratios = [np.nan_to_num(x / np.abs(nominal.separate[k])) for k, x in separate.items()]
+    of_vector = nominal.deflection * np.max(ratios, axis=0)
     vector = nominal.deflection > rectangle(limit_shape, **nominal.separate) * (1.0 + ROUNDING)
-    combined = np.where(
-        vector, np.maximum(combined, nominal.deflection * np.max(ratios, axis=0)), combined
-    )
+    combined = np.where(vector, np.maximum(combined, of_vector), combined)
     separate = {plane: separate.get(plane, nominal.separate[plane]) for plane in PLANES}
     return {name: combined} | {
         column: separate[plane] for plane, column in plane_columns(name).items()
@@ -477,7 +480,7 @@ def _or_nominal(required: FloatArray | None, nominal: FloatArray) -> FloatArray:
 
 
 def _slow(campaign: Campaign) -> bool:
-    """Return whether the minimum peak is a search for each case of a campaign: with three poles."""
+    """Return whether minimum peaks are searched case by case: with three poles, not as a batch."""
     return campaign.model == "drift-and-speed"
 
 
@@ -545,9 +548,14 @@ def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
         peaks = {f"margin_{name}_peak_dB": mode.peak_dB for name, mode in pairs}
     else:
         margins = loop_margins(autopilot.exact_loop(batch.flying))
-    values = (margins.aero_margin_dB, margins.gain_increase_dB, margins.phase_margin_deg)
-    columns = dict(zip(_MARGINS, (*values, margins.delay_margin), strict=True))
-    return {"margin_stable": np.asarray(margins.stable, dtype=float)} | columns | peaks
+    return {
+        "margin_stable": np.asarray(margins.stable, dtype=float),
+        "margin_aero_dB": margins.aero_margin_dB,
+        "margin_gain_dB": margins.gain_increase_dB,
+        "margin_phase_deg": margins.phase_margin_deg,
+        "margin_delay": margins.delay_margin,
+        **peaks,
+    }
 
 
 def _flown_limits(campaign: Campaign, batch: Batch) -> dict[str, float]:

@@ -220,7 +220,7 @@ class CampaignResults(Tabled):
         confidence : float, optional
             Confidence of the interval; by default the value of the campaign.
         """
-        return self._flight_probability(0, confidence)
+        return self._flight_probability(False, confidence)
 
     def loss(self, confidence: float | None = None) -> statistics.Success | None:
         """Return the probability that a flight is lost; None where nothing was flown.
@@ -230,22 +230,23 @@ class CampaignResults(Tabled):
         confidence : float, optional
             Confidence of the interval; by default the value of the campaign.
         """
-        return self._flight_probability(1, confidence)
+        return self._flight_probability(True, confidence)
 
     def _flight_probability(
-        self, which: int, confidence: float | None
+        self, lost: bool, confidence: float | None
     ) -> statistics.Success | None:
-        """Return the probability of survival (`which` is 0) or loss (1) of a flight.
+        """Return the probability that a flight is lost, or that it survives.
 
-        Undecided flights count among all. `confidence`: of its interval, by default the campaign's.
-        None without flights.
+        Undecided flights count among all. `lost`: whether it is that of loss. `confidence`: of its
+        interval, by default the campaign's. None without flights.
         """
-        counts = self.flights
-        if counts is None:
+        if self.flights is None:
             return None
-        total = sum(counts) + self.statuses().get(UNDECIDED, 0)
+        survived, losses = self.flights
+        total = survived + losses + self.statuses().get(UNDECIDED, 0)
         _, confidence = self._level(None, confidence)
-        return statistics.success_probability(counts[which], total, confidence) if total else None
+        count = losses if lost else survived
+        return statistics.success_probability(count, total, confidence) if total else None
 
     @property
     def flights(self) -> tuple[int, int] | None:
@@ -262,8 +263,8 @@ class CampaignResults(Tabled):
         """
         if "flight" not in self.campaign.outputs:
             return {}
-        drawn, survived = self._drawn_and("flight_survived")
-        return statistics.loss_drivers(drawn, survived == 0.0)
+        dispersed, survived = self._dispersed_and("flight_survived")
+        return statistics.loss_drivers(dispersed, survived == 0.0)
 
     def drivers(self, output: str | None = None) -> dict[str, float]:
         """Return the rank correlation of dispersed parameters with an output, the strongest first.
@@ -271,18 +272,19 @@ class CampaignResults(Tabled):
         `output`: a name of `angles`, by default the first. A lost flight counts as worse than any
         number.
         """
-        drawn, values = self._drawn_and(self._output(output))
-        return statistics.sensitivities(drawn, values) if values.size else {}
+        dispersed, values = self._dispersed_and(self._output(output))
+        return statistics.sensitivities(dispersed, values) if values.size else {}
 
-    def _drawn_and(self, output: str) -> tuple[dict[str, FloatArray], FloatArray]:
+    def _dispersed_and(self, output: str) -> tuple[dict[str, FloatArray], FloatArray]:
         """Return dispersed parameters by name, and an output, of cases where that is no NaN.
 
         `output`: name of its column. Arrays are ``(n,)``, in SI units.
         """
         columns = self._read([*self.campaign.dispersions.parameters, output])
-        good = ~np.isnan(columns[output])
-        values = {name: column[good] for name, column in columns.items()}
-        return values, values.pop(output)
+        answered = ~np.isnan(columns[output])
+        dispersed = {name: column[answered] for name, column in columns.items()}
+        values = dispersed.pop(output)
+        return dispersed, values
 
     def convergence(
         self,
@@ -296,8 +298,8 @@ class CampaignResults(Tabled):
         quantiles and of their bounds; by default those of the campaign.
         """
         answers = self.answers(output)
-        # halved four times
-        sizes = sorted({max(answers.size >> k, 1) for k in range(5)}) if answers.size else []
+        # numbers of cases, halved four times
+        sizes = sorted({max(answers.size // 2**k, 1) for k in range(5)}) if answers.size else []
         level = self._level(probability, confidence)
         return tuple(statistics.quantile_bound(answers[:n], *level) for n in sizes)
 

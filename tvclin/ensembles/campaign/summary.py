@@ -112,10 +112,8 @@ class CampaignSummary(Shown):
     @property
     def verdict(self) -> str:
         """Whether the limit is sufficient, and the covering deflection with its confidence."""
-        r, kind = (
-            self.required,
-            REQUIRED_DEFLECTION if REQUIRED in self.output else column_label(self.output),
-        )
+        r = self.required
+        kind = REQUIRED_DEFLECTION if REQUIRED in self.output else column_label(self.output)
         share = f"{100 * r.probability:g} % of flights, with {100 * r.confidence:g} % confidence"
         of = f"{kind} of {plural(self.unknown.size, 'case')}"
         angle = text(self._bound("verdict", r.upper))
@@ -124,9 +122,10 @@ class CampaignSummary(Shown):
             return f"{of}: {words}"
         if self.sufficient is None:
             words = self._why_unknown or words
-        if self.sufficient is False and np.isfinite(r.estimate) > np.isfinite(r.upper):
-            upper = f"{100 * self.success.upper:.4g} %"
-            words = f"sufficient in at most {upper} of flights, not in {100 * r.probability:g} %"
+        few_cases = np.isfinite(r.estimate) and not np.isfinite(r.upper)  # for an upper bound
+        if self.sufficient is False and few_cases:
+            most = f"{100 * self.success.upper:.4g} %"
+            words = f"sufficient in at most {most} of flights, not in {100 * r.probability:g} %"
         limit = f"limit {np.degrees(self.limit):.3f} deg: {sufficiency(self.sufficient)}"
         return f"{limit}; {of}: {words}"
 
@@ -261,8 +260,7 @@ class CampaignSummary(Shown):
             rows.append(("loss is driven by", (self._driven(*flights),)))
         rows.append(("dynamic pressure", (self.pressure,)))
         if self.trusts_a_forecast:
-            said = "trusts a forecast of the wind; K = 1 needs none"
-            rows.append(("this dead band", (said,)))
+            rows.append(("this dead band", ("trusts a forecast of the wind; K = 1 needs none",)))
         drivers = list(results.drivers(self.output).items())[:_MAX_SHOWN]
         worst = [
             _with_name(str(k), self._angle(f"worst.{k}", angle)) for k, angle in self.worst.items()
