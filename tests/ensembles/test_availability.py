@@ -15,7 +15,7 @@ from tvclin.ascent.measured_wind import FlightWind, gust_of_speed
 from tvclin.ensembles.statistics import effective_number, survival_fraction
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.requirement.time_varying import curves, encountered_at_steps
+from tvclin.requirement.time_varying import SteppedWinds, encountered_at_steps
 
 EAST = np.radians(90.0)
 PITCH = {"azimuth": EAST, "plane": "pitch", "sign": "frozen"}
@@ -822,6 +822,7 @@ def test_even_steps_require_what_steps_between_all_levels_do(flight, plane) -> N
         )
         equations = motion.at_steps(steps[0])
         paired = np.broadcast_to(equations.paired, steps[1].shape)
-        between_levels = curves(equations, *steps).limit_of_trim_law(paired)[0]
+        winds = SteppedWinds(equations, *steps)
+        between_levels = winds.curves().limit_of_trim_law(paired)[0]
         even = tv.availability(flight, one(wind), limit=1e-4, **where).lower
         assert even == pytest.approx(between_levels, rel=1e-3)

@@ -15,7 +15,7 @@ from tvclin.base.lines import text
 from tvclin.ensembles.campaign.cases import ENCOUNTERED_UNKNOWN, evaluate
 from tvclin.requirement import study_tables
 from tvclin.requirement.case_requirement import case_requirement
-from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirement
+from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirements
 from tvclin.requirement.varying_equations import at_pressure
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import pressure_ratio
@@ -28,8 +28,9 @@ def required(vehicle, wind, model, dead_band, plane="pitch") -> float:
     name = "cross" if plane == "yaw" else "head" if wind.peak < 0.0 else "tail"
     shape = "triangular" if isinstance(wind, tv.TriangularWind) else "rectangular"
     pulse = tv.ShapedWind(shape, abs(float(wind.peak)), float(wind.duration))
-    vehicle = vehicle.rigid
-    return float(encountered_requirement(pulse, vehicle, model, plane, name, dead_band).required[0])
+    sign = None if plane == "yaw" else name
+    case = tv.Case(vehicle=vehicle, model=model, plane=plane, wind=pulse, sign=sign)
+    return encountered_requirements(case, pulse, dead_band)[name][plane]
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])

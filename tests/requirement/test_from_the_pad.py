@@ -11,7 +11,7 @@ from tests.turns import usual
 from tvclin.ascent.measured_wind import FlightWind
 from tvclin.requirement.flight import flight_requirement as flight_mode
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, LimitedFlights, encountered_at_steps
+from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, SteppedWinds, encountered_at_steps
 from tvclin.studyfile.parse import parse_study
 
 EAST = np.radians(90.0)
@@ -173,7 +173,7 @@ def test_stable_parts_of_a_flight_are_flown_through(flight, name) -> None:
     mode = FlightMode(turned, "drift-exact", "pitch", turned.span)
     motion, wind = mode, FlightWind(encountered.wind, "pitch", encountered.speeds)
     steps = encountered_at_steps(motion, wind, FLIGHT_SUBSTEPS)
-    flights = LimitedFlights(motion.at_steps(steps[0]), *steps)
+    flights = SteppedWinds(motion.at_steps(steps[0]), *steps)
     assert not flights.diverge(sized * np.array([[1.02, 1.2, 2.0]])).any()
 
 

@@ -11,7 +11,7 @@ from tests.turns import usual
 from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
 from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirements
-from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, LimitedFlights, encountered_at_steps
+from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, SteppedWinds, encountered_at_steps
 from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(0.01)
@@ -358,7 +358,7 @@ def test_a_flight_that_turns_back_from_beyond_linear_aerodynamics_does_not_survi
     mode = FlightMode(schedule, "drift-exact", "pitch", schedule.span)
     wind = NominalWind(tv.SampledWind(time=time, angle=angle))
     steps = encountered_at_steps(mode, wind, FLIGHT_SUBSTEPS)
-    flights = LimitedFlights(mode.at_steps(steps[0]), *steps)
+    flights = SteppedWinds(mode.at_steps(steps[0]), *steps)
     assert flights.diverge(limits[np.newaxis]).tolist() == [[True, False]]
 
 

@@ -11,7 +11,7 @@ from tests.turns import usual
 from tvclin.ensembles.campaign.cases import nominal
 from tvclin.kernels import choice
 from tvclin.requirement import time_varying
-from tvclin.requirement.encountered_requirement import encountered_requirement
+from tvclin.requirement.encountered_requirement import encountered_requirements
 from tvclin.requirement.flight.flight_requirement import (
     FlightMode,
     flight_requirements,
@@ -80,7 +80,7 @@ def test_a_flight_that_overflows_has_diverged(configuration_i) -> None:
     times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
     wind, ratio = np.full(times.shape, 0.05), np.ones(times.shape)
     limits = np.array([[1e-4]])
-    assert time_varying.LimitedFlights(equations, times, wind, ratio).diverge(limits).all()
+    assert time_varying.SteppedWinds(equations, times, wind, ratio).diverge(limits).all()
 
 
 def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
@@ -163,7 +163,7 @@ def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configur
 
     limits = edge * np.array([[0.998, 1.002]])
     times, angles, ratio = time_varying.encountered_at_steps(equations, NominalWind(wind), 4)
-    diverged = time_varying.LimitedFlights(equations, times, angles, ratio).diverge(limits)
+    diverged = time_varying.SteppedWinds(equations, times, angles, ratio).diverge(limits)
     assert diverged.tolist() == [[flown(limit) for limit in limits[0].tolist()]] == [[True, False]]
 
 
@@ -270,7 +270,7 @@ def test_a_campaign_of_one_case_requires_what_a_study_does() -> None:
     campaign = tv.ensembles.Campaign(**case, cases=1)
     assert nominal(campaign)["required_K1"] == pytest.approx(study.required_deflection, rel=1e-9)
     assert np.degrees(study.required_deflection) == pytest.approx(0.56744, rel=2e-5)
-    half = encountered_requirement(wind, LARGE, "drift", "pitch", "tail", 0.5).required[0]
+    half = encountered_requirements(tv.Case(**case), wind, 0.5)["tail"]["pitch"]
     ratio = float(pressure_ratio(LARGE.attitude, wind.peak))  # constant in a rectangle
     there = Equations.frozen(at_pressure(LARGE, ratio), "drift", "pitch")
     there = replace(there, end=Equations.frozen(LARGE, "drift", "pitch").end)

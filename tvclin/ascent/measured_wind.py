@@ -52,8 +52,8 @@ class SoundingSpeeds:
         """Return wind angles of attack in a plane [rad] and q/q_n at times [s], in their shape.
 
         q/q_n is the dynamic pressure over the nominal one. `plane`: plane of the angle; the other
-        plane has the wind of the sounding. `angle`: wind angles at nominal speed [rad], eq (B1e),
-        beyond the bias, at the times.
+        plane has the wind of the sounding. `angle`: wind angles [rad] at the nominal speed of the
+        flight, beyond the bias, at the times.
         """
         path = np.interp(times, self.time, self.path)  # [rad]
         bias, wind = (  # speeds by plane, over the speed of the vehicle; calm beyond the sounding
@@ -453,7 +453,7 @@ def _beyond_linear(
 
 
 def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
-    """Return a gust of a wind speed [m/s], at its wind angle for each vehicle, eq (B1e).
+    """Return a gust of a wind speed [m/s], as a function from a vehicle to its wind angle [rad].
 
     `gust`: its shape, of any peak. `plane`: pitch, yaw or both; for both it is taken as across the
     path, where the angle is largest. The function that is returned raises `NotKnownError` for a

@@ -194,7 +194,7 @@ class NominalFlight:
         return np.asarray(ratio * self.condition.dynamic_pressure(self.vehicle))
 
     def deflection(self, t: ArrayLike) -> FloatArray:
-        """Return the nominal deflection [rad] at times of flight `t` [s], eq (B2c).
+        """Return the nominal deflection [rad] at times of flight `t` [s], eq (B2c) of the report.
 
             delta_n = -(I Theta_n'' + M_q Theta_n')/(T l_c)
 

@@ -182,10 +182,25 @@ def disperse_study(
     >>> bool(dispersed.required.upper > nominal.required_deflection)
     True
     """
-    campaign = _campaign(study, dispersions, cases, seed, method)
+    instance("study", study, Study, "see Study.from_vehicle")
+    if not 1 <= whole_number("cases", cases) <= _MAX_CASES:
+        raise InputError(f"cases must be from 1 to {_MAX_CASES}; got {shown(cases)}")
+    campaign = Campaign(
+        vehicle=complete_vehicle(study.vehicle, "a dispersed study"),
+        wind=study.placed,
+        dispersions=dispersions,
+        cases=cases,
+        seed=seed,
+        model=study.model,
+        plane=study.plane,
+        dead_bands=(study.dead_band,),
+        method=method,
+        sign=study.sign,
+    )
     for name, value in (("probability", probability), ("confidence", confidence)):
         fraction(name, value)
     columns = evaluate(campaign, 0, cases)
+    # of the plane; where both planes are judged, times the ratio of their limit to its limit
     deflection = columns[required_name(study.dead_band)] * study.plane_ratio
     has_answer = ~np.isnan(deflection)
     if not np.any(has_answer):
@@ -205,29 +220,4 @@ def disperse_study(
         if limit is None
         else statistics.success_probability(sufficient, counted.size, confidence),
         drivers=statistics.sensitivities({k: v[has_answer] for k, v in values.items()}, counted),
-    )
-
-
-def _campaign(
-    study: Study, dispersions: Dispersions, cases: int, seed: int, method: str
-) -> Campaign:
-    """Return the campaign of a study: its vehicle and placed wind, dispersed.
-
-    `dispersions`: uncertain parameters. `cases`, `seed`, `method`: number of cases, and seed and
-    method of their random numbers. `InputError` for no study, and too many cases or none.
-    """
-    instance("study", study, Study, "see Study.from_vehicle")
-    if not 1 <= whole_number("cases", cases) <= _MAX_CASES:
-        raise InputError(f"cases must be from 1 to {_MAX_CASES}; got {shown(cases)}")
-    return Campaign(
-        vehicle=complete_vehicle(study.vehicle, "a dispersed study"),
-        wind=study.placed,
-        dispersions=dispersions,
-        cases=cases,
-        seed=seed,
-        model=study.model,
-        plane=study.plane,
-        dead_bands=(study.dead_band,),
-        method=method,
-        sign=study.sign,
     )

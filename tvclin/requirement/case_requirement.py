@@ -227,7 +227,7 @@ class CaseRequirement:
 
     @property
     def beyond_linear(self) -> str:
-        """Reason why nothing is known in this wind; empty otherwise. See `beyond_linear`."""
+        """Reason why nothing is known in this wind, of more than 30 deg; empty otherwise."""
         return beyond_linear(self.wind_angle)
 
     @property

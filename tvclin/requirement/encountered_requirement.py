@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,6 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.case.case import Case
 from tvclin.requirement.time_varying import (
-    VaryingRequirement,
     batch_requirements,
     encountered_at_steps,
     varying_requirement,
@@ -133,39 +133,6 @@ def encountered_wind(
     )
 
 
-def encountered_requirement(
-    wind: ShapedWind,
-    vehicle: Vehicle,
-    model: str,
-    plane: str,
-    name: str,
-    dead_band: float,
-    size: float = 1.0,
-) -> VaryingRequirement:
-    """Return the required deflection of one vehicle frozen at its flight condition, in a wind.
-
-    Parameters
-    ----------
-    wind, vehicle, plane, name, size
-        Wind with its heading and speeds, vehicle, plane of the angles, direction of the wind, such
-        as "head", and factor on the wind, as of `encountered_wind`.
-    model : str
-        Model of the motion.
-    dead_band : float
-        K in [0, 1].
-
-    Raises
-    ------
-    InputError
-        Where no horizontal wind has the angle, for angles beyond linear aerodynamics, and for a
-        wind too long to be followed.
-    """
-    equations = Equations.frozen(vehicle, model, plane)
-    encountered = encountered_wind(wind, vehicle, plane, name, size)
-    encountered.check_linear()
-    return varying_requirement(equations, encountered, dead_band)
-
-
 def encountered_requirements(
     case: Case, wind: ShapedWind, dead_band: float, size: float = 1.0
 ) -> dict[str, dict[str, float]]:
@@ -183,7 +150,8 @@ def encountered_requirements(
     Raises
     ------
     InputError
-        For a vehicle of which speed and attitude are not known, and as `encountered_requirement`.
+        For a vehicle of which speed and attitude are not known, where no horizontal wind has the
+        angle, for angles beyond linear aerodynamics, and for a wind too long to be followed.
     """
     names = directions_of(case)
     if not names:
@@ -193,17 +161,14 @@ def encountered_requirements(
     if case.heading is not None:
         peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
         planes = tuple(plane for plane in planes if peaks[plane])
-    return {
-        name: {
-            plane: float(
-                encountered_requirement(
-                    wind, vehicle, case.model, plane, name, dead_band, size
-                ).required[0]
-            )
-            for plane in planes
-        }
-        for name in names
-    }
+    required: dict[str, dict[str, float]] = {name: {} for name in names}
+    for name, plane in product(names, planes):
+        equations = Equations.frozen(vehicle, case.model, plane)
+        encountered = encountered_wind(wind, vehicle, plane, name, size)
+        encountered.check_linear()
+        requirement = varying_requirement(equations, encountered, dead_band)
+        required[name][plane] = float(requirement.required[0])
+    return required
 
 
 def largest_pressure(

@@ -238,7 +238,7 @@ def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: Arra
     Parameters
     ----------
     plant, wind, dead_band
-        See `required_deflection`.
+        Plant, wind angle of one sign [rad], and dead band K in [0, 1]; one each, or batches.
     limit : array_like
         Capability delta_max [rad]; its sign is ignored.
 
@@ -283,7 +283,7 @@ def survivable_peak(
     Parameters
     ----------
     plant, wind, dead_band
-        See `required_deflection`; only the shape of the wind counts.
+        Plant, wind, of which only the shape counts, and dead band K in [0, 1]; or batches.
     limit : array_like
         Capability delta_max [rad]; its sign is ignored.
 

@@ -8,6 +8,7 @@ plane, whose dead band is left by the vector, may need more in a wind that turns
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,7 +24,6 @@ from tvclin.linear.plant import Plant
 from tvclin.requirement.nominal_requirement import required_deflection
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
-from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.shaped import ShapedWind, component_in
 
@@ -144,65 +144,33 @@ def two_plane_requirement(
     `plants`: plant of each plane. `limit_shape`: limit in both planes. `dead_band`: K, from 0 to 1.
     Plants and winds broadcast; the vectors of a batch are solved case by case.
     """
-    separate = separate_requirements(plants, wind, dead_band)
-    required = rectangle(limit_shape, separate["pitch"], separate["yaw"])
-    if all(_has_onset(getattr(wind, plane)) for plane in PLANES):
-        vector = [
-            _vector(plants, wind, limit_shape, dead_band, by_planes, case, required.shape)
-            for case, by_planes in enumerate(required.ravel().tolist())
-        ]
-        required = np.reshape(vector, required.shape)
-    return TwoPlaneRequirement(
-        limit_shape, wind, plain(required), {k: plain(np.asarray(v)) for k, v in separate.items()}
-    )
-
-
-def separate_requirements(
-    plants: dict[str, Plant], wind: PlaneWind, dead_band: float
-) -> dict[str, FloatArray]:
-    """Return the required deflection of each plane by itself [rad]; zero in a calm.
-
-    `plants`: plant of each plane. `dead_band`: K, from 0 to 1. Plants and winds broadcast.
-    """
-    winds = {plane: getattr(wind, plane) for plane in PLANES}
-    return {
-        plane: np.abs(required_deflection(plants[plane], history, dead_band).deflection)
-        if _has_onset(history)
-        else np.zeros(())
-        for plane, history in winds.items()
-    }
-
-
-def _has_onset(wind: History) -> bool:
-    """Return whether no wind of a batch is a calm, whose onset is infinite."""
-    return bool(np.all(np.isfinite(wind.onset)))
-
-
-def _vector(
-    plants: dict[str, Plant],
-    wind: PlaneWind,
-    limit_shape: LimitShape,
-    dead_band: float,
-    by_planes: float,
-    case: int,
-    shape: tuple[int, ...],
-) -> float:
-    """Return the required limit [rad] of one wind vector of a batch, at least `by_planes` [rad].
-
-    `plants`: plants by plane. `limit_shape`: limit in both planes. `dead_band`: K, from 0 to 1.
-    `by_planes`: limit sufficient for each plane alone. `case`: flat position of the vector in the
-    batch of this `shape`.
-    """
     from tvclin.boundary.plane_bounds import PlanePair, checked_batch
     from tvclin.boundary.plane_limits import vector_requirement
 
-    pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
-    pair = PlanePair((pitch, yaw), wind.case(case, shape))
-    try:
-        checked_batch(pitch, pair.wind, limit_shape, yaw)
-        return vector_requirement(pair, limit_shape, dead_band, by_planes)
-    except InputError:  # (4b) has no vector for them
-        return by_planes
+    winds = {plane: getattr(wind, plane) for plane in PLANES}
+    # whether no wind of the batch is a calm, whose onset is infinite
+    has_wind = {plane: bool(np.all(np.isfinite(winds[plane].onset))) for plane in PLANES}
+    separate = {
+        plane: np.abs(required_deflection(plants[plane], winds[plane], dead_band).deflection)
+        if has_wind[plane]
+        else np.zeros(())
+        for plane in PLANES
+    }
+    by_planes = rectangle(limit_shape, separate["pitch"], separate["yaw"])
+    shape, required = by_planes.shape, by_planes.ravel().tolist()
+    if all(has_wind.values()):
+        for case, sufficient in enumerate(required):
+            pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
+            pair = PlanePair((pitch, yaw), wind.case(case, shape))
+            with suppress(InputError):  # (4b) has no vector for them
+                checked_batch(pitch, pair.wind, limit_shape, yaw)
+                required[case] = vector_requirement(pair, limit_shape, dead_band, sufficient)
+    return TwoPlaneRequirement(
+        limit_shape=limit_shape,
+        wind=wind,
+        deflection=plain(np.reshape(required, shape)),
+        separate={k: plain(np.asarray(v)) for k, v in separate.items()},
+    )
 
 
 def heading_requirement(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -21,7 +21,7 @@ from tvclin.boundary.forecast_free import ForecastFreeLimit, forecast_free_limit
 from tvclin.boundary.limit import PAIRED_POLES, BoundaryLimit, boundary_limit
 from tvclin.boundary.limit_shapes import LimitShape
 from tvclin.boundary.open_loop import ROUNDING, Reason, with_larger_requirements
-from tvclin.boundary.optimum.minimum_peak import Optimum, optimum_deflection
+from tvclin.boundary.optimum.minimum_peak import optimum_deflection
 from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.case.case import Case
 from tvclin.case.nozzle import Nozzle
@@ -532,17 +532,16 @@ def _bounds_by_model(
     `plants`: plant of each model. `dead_bands`: K, ``(k,)``. `switch`: when the dead band is left,
     "literal" or "report". Models for which a bound is not defined are omitted from it.
     """
-    optima = _where_defined(_optimum, plants, wind)
-    return {
-        "boundaries": {
-            name: with_larger_requirements(
-                plant, wind, dead_bands, boundary_limit(plant, wind, dead_bands, switch)
-            )
-            for name, plant in plants.items()
-        },
-        "forecast_free": _where_defined(forecast_free_limit, plants, wind),
-        "minima": {name: optimum.peak for name, optimum in optima.items()},
-    }
+    boundaries, forecast_free, minima = {}, {}, {}
+    start = min(0.0, float(wind.onset))  # first time [s] at which a control acts
+    for name, plant in plants.items():
+        boundary = boundary_limit(plant, wind, dead_bands, switch)
+        boundaries[name] = with_larger_requirements(plant, wind, dead_bands, boundary)
+        with suppress(InputError):
+            forecast_free[name] = forecast_free_limit(plant, wind)
+        with suppress(InputError):
+            minima[name] = optimum_deflection(plant, wind, start).peak
+    return {"boundaries": boundaries, "forecast_free": forecast_free, "minima": minima}
 
 
 def _unknown(bounds: dict[str, Any]) -> dict[str, Any]:
@@ -555,25 +554,6 @@ def _unknown(bounds: dict[str, Any]) -> dict[str, Any]:
         for key in ("boundaries", "forecast_free")
     }
     return unknown | {"minima": dict.fromkeys(bounds["minima"], np.nan)}
-
-
-def _optimum(plant: Plant, wind: History) -> Optimum:
-    """Return the `Optimum` of a wind, the deflection of minimum peak when the wind is known.
-
-    `wind`: wind angle [rad]. The control acts from t = 0 on, or from an earlier onset.
-    """
-    return optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
-
-
-def _where_defined(
-    function: Callable[..., Any], plants: dict[str, Plant], wind: History
-) -> dict[str, Any]:
-    """Return the values of a function of plant and wind, by the models that it is defined for."""
-    values = {}
-    for name, plant in plants.items():
-        with suppress(InputError):
-            values[name] = function(plant, wind)
-    return values
 
 
 def outlasts_single_pole(study: Study) -> bool:

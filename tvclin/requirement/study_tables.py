@@ -120,9 +120,9 @@ def poles(study: Study) -> Table:
 def boundaries(study: Study) -> Table:
     """Return static trim, the limit at every dead band, lower bounds, and survivable peaks.
 
-    Limits are required deflections at nominal dynamic pressure, or boundary limits with the switch
-    of the report. The row of the verdict is marked. The last column, where a limit is in question,
-    is the peak of the wind that it survives with the model of the verdict.
+    Limits are required deflections at nominal dynamic pressure or, where not trim but B times the
+    wind angle leaves the dead band, boundary limits. The row of the verdict is marked. The last
+    column, for a study with a limit, is the peak that it survives with the model of the verdict.
     """
     names, judged = tuple(study.boundaries), _judged(study)
     row_label, limits = "K = ", study.nominal_requirements

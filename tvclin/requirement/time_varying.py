@@ -20,7 +20,7 @@ Required with K = 1 is the smallest limit from which on every limit survives, fo
 in the wind as it is, with both its signs. The largest min(trim, demand) is sufficient on a fixed
 path, and where trim meets the limit once and the path is slow; it is required as long as trim meets
 it to one side alone, and mu_alpha keeps its sign. Else the limited law itself is flown
-(`LimitedFlights`) with many limits, through the wind and the calm after it, and what is required
+(`SteppedWinds`) with many limits, through the wind and the calm after it, and what is required
 lies above all of them with which a flight diverges.
 
 The error of the curves is of fourth order in the steps, below 1e-6 of the largest trim at the
@@ -97,7 +97,10 @@ class Motion(Protocol):
         """Breakpoints [s] of the equations, in addition to the breakpoints of the wind."""
 
     def judged_at(self, ends: FloatArray) -> FloatArray:
-        """Return the times [s] at which flights are judged, of winds that end at `ends` [s]."""
+        """Return the times [s] at which the survival of flights is decided, ``(n,)``.
+
+        `ends`: ends of the winds [s], ``(n,)``.
+        """
 
     def at_steps(self, times: FloatArray) -> Equations:
         """Return the equations at times [s] of steps, ``(n, S, 3)``."""
@@ -111,7 +114,10 @@ class Encounter(Protocol):
         """A history with the breakpoints and rates of the wind."""
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n at times [s], ``(n, ...)``."""
+        """Return wind angles of attack [rad], and dynamic pressure over the nominal one, q/q_n.
+
+        `times`: times [s], ``(n, ...)``, the shape of both.
+        """
 
 
 def step_counts(wind: History, motion: Motion) -> FloatArray:
@@ -283,15 +289,15 @@ def varying_requirement(
         return VaryingRequirement(trim=none, required=none, minimum=none, time=unknown_time)
     times, wind, ratio = encountered_at_steps(motion, encountered)
     equations = motion.at_steps(times)
-    trim_and_demand = curves(equations, times, wind, ratio)
+    winds = SteppedWinds(equations, times, wind, ratio)
+    trim_and_demand = winds.curves()
     trim = trim_and_demand.largest_trim
     reach = equations.end[:, -1]  # control reach R of the fastest real unstable mode, NaN without
     no_real_mode = np.broadcast_to(np.isnan(reach), trim.shape)
     # the demand at the onset bounds every control; else only the minimum over several modes does
     demand_bounds = ~(no_real_mode | equations.changes_sign)
     minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
-    march = times, wind, ratio, None
-    peaks, limit, time = _exits(equations, march, trim_and_demand, dead_band)
+    peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
     # where a limit that is held may drive the vehicle to either side, trim must never exceed K
@@ -302,10 +308,7 @@ def varying_requirement(
         highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
     if dead_band == 1.0:
         limit, time = trim_and_demand.limit_of_trim_law(paired)
-        steps = times, wind, ratio
-        required = _of_flights(
-            motion, equations, encountered, steps, trim_and_demand, limit, minimum
-        )
+        required = _of_flights(motion, winds, encountered, trim_and_demand, limit, minimum)
     else:
         required = np.minimum(np.maximum(limit, within_dead_band), highest)
         required = np.maximum(required, minimum)
@@ -315,16 +318,12 @@ def varying_requirement(
 
 
 def _exits(
-    equations: Equations,
-    march: tuple[FloatArray, FloatArray, FloatArray, FloatArray | None],
-    trim_and_demand: Curves,
-    dead_band: float,
+    winds: SteppedWinds, trim_and_demand: Curves, dead_band: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return minimum peaks [rad] over several modes, and limits [rad] and times [s] of exits.
 
-    `equations`: of n cases, or common to all. `march`: times [s], wind angles [rad] and q/q_n at
-    the steps, and onsets in steps. `trim_and_demand`: deflections of trim, and limits sufficient
-    when held from then on. `dead_band`: K, from 0 to 1. All returned are ``(n,)``. Peaks are zero
+    `trim_and_demand`: deflections of trim in the winds, and limits sufficient when held from then
+    on. `dead_band`: K, from 0 to 1, whose exits they are. All returned are ``(n,)``. Peaks are zero
     for cases with one mode, limits and times with K = 1.
     """
     minimum, limit, time = np.zeros((3, len(trim_and_demand.trim)))
@@ -333,7 +332,7 @@ def _exits(
         with np.errstate(divide="ignore", invalid="ignore"):
             limit, time = trim_and_demand.limit_of_dead_band(dead_band)
         ratios = trim_and_demand.trim_ratios(dead_band) if dead_band > 0.0 else None
-    for cases, peaks in peaks_over_modes(equations, march, trim_and_demand.path, ratios):
+    for cases, peaks in winds.peaks_over_modes(trim_and_demand.path, ratios):
         minimum[cases] = peaks[:, 0]  # from the onset on
         if ratios is None:
             continue
@@ -343,28 +342,6 @@ def _exits(
         limit[cases] = np.where(larger, after, limit[cases])
         time[cases] = np.where(larger, after_time, time[cases])
     return minimum, limit, time
-
-
-def peaks_over_modes(
-    equations: Equations,
-    march: tuple[FloatArray, FloatArray, FloatArray, FloatArray | None],
-    path: FloatArray,
-    trim_ratios: FloatArray | None = None,
-) -> Iterator[tuple[IndexArray, FloatArray]]:
-    """Yield cases with several unstable modes, and their `minimum_peaks` [rad], ``(k, S + 1)``.
-
-    They are the smallest peaks of any control from the begin of steps on. `equations`: of n cases,
-    or common to all. `march`: times [s], wind angles [rad] and q/q_n at the steps, and onsets in
-    steps. `path`: states beyond attitude and rate under trim at the ends of steps. `trim_ratios`:
-    trim over K [rad] at the ends of steps; None where peaks from the onset on are sufficient.
-    """
-    steps, end, _onset = _columns(equations, *march)
-    for modes in equations.modes:  # cases with the same number of modes each
-        cases = modes.cases if len(equations.end) > 1 else np.arange(len(path))
-        selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
-        end_of_cases = end if len(end) == 1 else end[cases]
-        ratios = None if trim_ratios is None else trim_ratios[cases]
-        yield cases, minimum_peaks(modes, selected, end_of_cases, path[cases], ratios)
 
 
 def batch_requirements(
@@ -396,19 +373,17 @@ def batch_requirements(
 
 def _of_flights(
     motion: Motion,
-    equations: Equations,
+    winds: SteppedWinds,
     encountered: Encounter | Sequence[Encounter],
-    steps: tuple[FloatArray, ...],
     trim_and_demand: Curves,
     limit: FloatArray,
     minimum: FloatArray,
 ) -> FloatArray:
     """Return the required deflections [rad] with K = 1, ``(n,)``, by flights where these decide.
 
-    `motion`: vehicle, with its equations at any times; `equations` are those at the steps.
-    `encountered`: winds as the vehicle encounters them; `steps`: times [s], wind angles [rad] and
-    q/q_n over the steps. `limit`: the largest min(trim, demand) [rad] of the curves
-    `trim_and_demand`. `minimum`: minimum peaks [rad] of any control.
+    `motion`: vehicle, with its equations at any times. `encountered`, `winds`: winds as the vehicle
+    encounters them at any times, and over the steps. `limit`: the largest min(trim, demand) [rad]
+    of the curves `trim_and_demand`. `minimum`: minimum peaks [rad] of any control.
 
     Where the curves decide and the path drifts, a single flight confirms the limit, through the
     wind as its parabolas over the steps. A flight that diverges makes flights decide.
@@ -416,6 +391,7 @@ def _of_flights(
     equilibrium with any limit: flights then end with the wind, where the limit must reduce the
     unstable component.
     """
+    equations = winds.equations
     flown, lowest = decided_by_flights(equations, trim_and_demand, limit)
     finite = np.isfinite(trim_and_demand.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
     required = np.maximum(limit, minimum)
@@ -423,21 +399,21 @@ def _of_flights(
         return required
     confirmed = np.flatnonzero(finite & ~flown)
     if equations.drifts and confirmed.size:
-        times, wind, ratio = (_at_substeps(values) for values in steps)
-        flights = LimitedFlights(motion.at_steps(times), times, wind, ratio)
+        times, wind, ratio = (_at_substeps(x) for x in (winds.times, winds.wind, winds.ratio))
+        flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[confirmed, np.newaxis]
         flown[confirmed] = flights.diverge(tried, confirmed)[:, 0]
     which = np.flatnonzero(flown & finite)
     if which.size:
         wind_times, *wind_and_ratio = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
         times, wind, ratio = with_calm_after(equations, wind_times, *wind_and_ratio)
-        flights = LimitedFlights(motion.at_steps(times), times, wind, ratio)
+        flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
         required[which] = flights.select(which).requirement(low[which], high[which])
         stable = equations.nominal[:, -1, -1, 1, 0] < 0.0  # mu_alpha at the end of the last step
         never = which[(np.isinf(required) & stable)[which]]
         if never.size and wind_times.shape != times.shape:  # again without the calm
-            flights = LimitedFlights(motion.at_steps(wind_times), wind_times, *wind_and_ratio)
+            flights = SteppedWinds(motion.at_steps(wind_times), wind_times, *wind_and_ratio)
             required[never] = flights.select(never).requirement(low[never], high[never])
     return required
 
@@ -476,10 +452,20 @@ def decided_by_flights(
 
 
 @dataclass(frozen=True, eq=False)
-class LimitedFlights:
-    """Flights of the ideal trim law with deflection limits, through winds ``(n,)``.
+class SteppedWinds:
+    """Winds over steps, and the equations of the vehicles that encounter them.
 
-    `equations` to `onset`: arguments of `curves`, at `FLIGHT_SUBSTEPS` times as many steps.
+    Attributes
+    ----------
+    equations : Equations
+        Equations of one vehicle for all winds, or of one for each wind.
+    times, wind, ratio : ndarray
+        Times [s], wind angles of attack [rad], and dynamic pressure encountered over the nominal
+        one, of n winds at begin, middle and end of S steps, ``(n, S, 3)``; times may be common,
+        ``(1, S, 3)``. Flights take `FLIGHT_SUBSTEPS` times as many steps as trim and demand do.
+    onset : ndarray, optional
+        Position at which each wind begins, in steps, ``(n,)``: with 2.3 it begins in the third
+        step, whose times begin there. Zero by default.
     """
 
     equations: Equations
@@ -488,24 +474,79 @@ class LimitedFlights:
     ratio: FloatArray
     onset: FloatArray | None = None
 
-    def select(self, cases: IndexArray) -> LimitedFlights:
-        """Return the flights through the winds with the indices `cases`."""
+    def select(self, cases: IndexArray) -> SteppedWinds:
+        """Return the winds with the indices `cases`, with their equations."""
         equations = self.equations if len(self.equations.end) == 1 else self.equations.of(cases)
         times = self.times if len(self.times) == 1 else self.times[cases]
         onset = None if self.onset is None else self.onset[cases]
-        return LimitedFlights(equations, times, self.wind[cases], self.ratio[cases], onset)
+        return SteppedWinds(equations, times, self.wind[cases], self.ratio[cases], onset)
+
+    def _columns(self) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
+        """Return the arguments that the kernels of the limited and the unlimited trim both take.
+
+        They are steps with equations and winds, costates at the end ``(n, m + 1)``, and onsets in
+        steps ``(n,)``, all as contiguous arrays.
+        """
+        cases, steps, _ = self.wind.shape
+        end = np.broadcast_to(self.equations.end, (cases, self.equations.end.shape[-1]))
+        onset = np.zeros(cases) if self.onset is None else self.onset
+        columns = marches.VaryingSteps(
+            lengths=np.broadcast_to(self.times[..., 2] - self.times[..., 0], (cases, steps)),
+            equations=self.equations.nominal,
+            slopes=self.equations.slopes,
+            ratio=self.ratio,
+            wind=self.wind,
+        )
+        *arrays, end, onset = (np.require(x, float, ["C", "W"]) for x in (*columns, end, onset))
+        return marches.VaryingSteps(*arrays), end, onset
+
+    def curves(self) -> Curves:
+        """Return trim and demand [rad] of the winds over their steps, ``(n, S, 3)`` each.
+
+        The demand is the deflection limit that is sufficient when it is held from then on.
+        """
+        cases, steps, _ = shape = self.wind.shape
+        order = self.equations.nominal.shape[-2]  # states, two of which are attitude and rate
+        trim, demand = np.zeros(shape), np.zeros(shape)  # written by the kernel, as slope and path
+        slope, path = np.zeros((cases, steps, 2)), np.zeros((cases, steps + 1, order - 2))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            run(
+                marches.trim_and_demand,
+                (*self._columns(), trim, demand, slope, path),
+                cases=cases,
+                seconds=marches.PLAIN * cases * steps,
+                compiled_seconds=marches.COMPILED * cases * steps,
+            )
+        times = np.broadcast_to(self.times, shape)
+        return Curves(times, self.wind, trim=trim, demand=demand, demand_slope=slope, path=path)
+
+    def peaks_over_modes(
+        self, path: FloatArray, trim_ratios: FloatArray | None = None
+    ) -> Iterator[tuple[IndexArray, FloatArray]]:
+        """Yield cases with several unstable modes, and their `minimum_peaks` [rad], ``(k, S + 1)``.
+
+        They are the smallest peaks of any control from the begin of steps on. `path`: states beyond
+        attitude and rate under trim at the ends of steps, of `Curves`. `trim_ratios`: trim over K
+        [rad] at the ends of steps; None where peaks from the onset on are sufficient.
+        """
+        steps, end, _onset = self._columns()
+        for modes in self.equations.modes:  # cases with the same number of modes each
+            cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
+            selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
+            end_of_cases = end if len(end) == 1 else end[cases]
+            ratios = None if trim_ratios is None else trim_ratios[cases]
+            yield cases, minimum_peaks(modes, selected, end_of_cases, path[cases], ratios)
 
     def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
         """Return whether flights through k winds diverge with limits [rad], ``(k, tries)``.
 
-        `cases`: indices of these winds, by default all. Where mu_alpha changes its sign, a flight
-        also diverges with an attitude above `MAX_LINEAR_ANGLE` before the calm of
-        `with_calm_after`: a vehicle that becomes stable turns back from any attitude, by linear
-        equations. Elsewhere such a flight diverges by itself.
+        They are flights of the ideal trim law. `cases`: indices of these winds, by default all.
+        Where mu_alpha changes its sign, a flight also diverges with an attitude above
+        `MAX_LINEAR_ANGLE` before the calm of `with_calm_after`: a vehicle that becomes stable turns
+        back from any attitude, by linear equations. Elsewhere such a flight diverges by itself.
         """
-        flights = self if isinstance(cases, slice) else self.select(cases)
-        equations, count = flights.equations, flights.wind.shape[1]  # number of steps
-        columns = _columns(equations, flights.times, flights.wind, flights.ratio, flights.onset)
+        winds = self if isinstance(cases, slice) else self.select(cases)
+        equations, count = winds.equations, winds.wind.shape[1]  # number of steps
         calm = int(steps_after(equations).max())
         checked = count - calm if count > calm else count  # steps in which the attitude counts
         changes = np.broadcast_to(equations.changes_sign, len(limits))
@@ -515,7 +556,7 @@ class LimitedFlights:
         work = count * limits.size * equations.nominal.shape[-2]  # steps, tries and states
         run(
             marches.limited_trim,
-            (*columns, _FEEDBACK_OVER_TRIM, max_attitude, checked, tried, diverged),
+            (*winds._columns(), _FEEDBACK_OVER_TRIM, max_attitude, checked, tried, diverged),
             cases=len(limits),
             seconds=marches.LIMITED_PLAIN * work,
             compiled_seconds=marches.LIMITED_COMPILED * work,
@@ -571,75 +612,3 @@ class LimitedFlights:
             tried = low[cases, np.newaxis] * np.exp(logarithm)
             survives[cases] = ~np.any(self.diverge(tried, cases), axis=1)
         return survives
-
-
-def curves(
-    equations: Equations,
-    times: FloatArray,
-    wind: FloatArray,
-    ratio: FloatArray,
-    onset: FloatArray | None = None,
-) -> Curves:
-    """Return trim and demand [rad] of n winds over their S steps, ``(n, S, 3)`` each.
-
-    The demand is the deflection limit that is sufficient when it is held from then on.
-
-    Parameters
-    ----------
-    equations : Equations
-        Equations of one vehicle for all winds, or of one for each wind.
-    times, wind, ratio : ndarray
-        Times [s], wind angles of attack [rad], and dynamic pressure encountered over the nominal
-        one, at begin, middle and end of each step, ``(n, S, 3)``.
-    onset : ndarray, optional
-        Position at which each wind begins, in steps, ``(n,)``: with 2.3 it begins in the third
-        step, whose times begin there. Zero by default.
-    """
-    cases, steps, _ = shape = wind.shape
-    order = equations.nominal.shape[-2]  # number of states, two of which are attitude and rate
-    columns = _columns(equations, times, wind, ratio, onset)
-    trim, demand = np.zeros(shape), np.zeros(shape)  # written by the kernel, as slope and path
-    slope, path = np.zeros((cases, steps, 2)), np.zeros((cases, steps + 1, order - 2))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        run(
-            marches.trim_and_demand,
-            (*columns, trim, demand, slope, path),
-            cases=cases,
-            seconds=marches.PLAIN * cases * steps,
-            compiled_seconds=marches.COMPILED * cases * steps,
-        )
-    return Curves(
-        times=np.broadcast_to(times, shape),
-        wind=wind,
-        trim=trim,
-        demand=demand,
-        demand_slope=slope,
-        path=path,
-    )
-
-
-def _columns(
-    equations: Equations,
-    times: FloatArray,
-    wind: FloatArray,
-    ratio: FloatArray,
-    onset: FloatArray | None,
-) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
-    """Return the arguments that the kernels of the limited and the unlimited trim both take.
-
-    They are steps with equations and winds, costates at the end ``(n, m + 1)``, and onsets in
-    steps ``(n,)``, all as contiguous arrays. `times` [s], `wind` [rad], `ratio`: at begin, middle
-    and end of steps, ``(n, S, 3)``. `onset`: onsets in steps, None for zeros.
-    """
-    cases, count, _ = wind.shape
-    end = np.broadcast_to(equations.end, (cases, equations.end.shape[-1]))
-    begin = np.zeros(cases) if onset is None else onset
-    steps = marches.VaryingSteps(
-        lengths=np.broadcast_to(times[..., 2] - times[..., 0], (cases, count)),
-        equations=equations.nominal,
-        slopes=equations.slopes,
-        ratio=ratio,
-        wind=wind,
-    )
-    *columns, end, begin = (np.require(x, float, ["C", "W"]) for x in (*steps, end, begin))
-    return marches.VaryingSteps(*columns), end, begin

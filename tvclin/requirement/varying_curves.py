@@ -115,7 +115,11 @@ class Curves:
         return self._largest(1.0), -self._largest(-1.0)
 
     def _largest(self, sign: float) -> FloatArray:
-        """Return the largest trim of a sign [rad], ``(n,)``: of samples and vertices."""
+        """Return the largest trim of a sign [rad], ``(n,)``.
+
+        It is the largest of the samples and of the vertices of the parabolas through the three
+        samples of each step.
+        """
         trim = self.trim
         begin, middle, end = np.moveaxis(sign * trim, -1, 0)
         largest = (sign * trim).max(axis=(1, 2))

@@ -55,8 +55,9 @@ class UnstableModes:
         """Return the modes of those cases, by position in the batch, that are among these."""
         row = np.minimum(np.searchsorted(self.cases, cases), len(self.cases) - 1)
         which = self.cases[row] == cases  # whether a case has these modes; the others are omitted
+        rows = row[which]
         return UnstableModes(
-            np.flatnonzero(which), self.poles[row[which]], self.costates[row[which]]
+            cases=np.flatnonzero(which), poles=self.poles[rows], costates=self.costates[rows]
         )
 
     def after(self, end: FloatArray, column: FloatArray) -> tuple[FloatArray, ...]:
@@ -163,6 +164,7 @@ def minimum_peaks(
     """
     column = steps.equations[:, -1, 2, :, -2]  # b at the end of the last step
     column = np.broadcast_to(column, (len(end), column.shape[-1]))
+    # costates p, control reaches and poles, and integrals of p.b over cells of the time after it
     costates, reaches, poles, cells = modes.after(end, column)
     peaks = np.zeros(path.shape[:2])
     if heights is None:
@@ -273,7 +275,7 @@ class Equations:
 
     @property
     def changes_sign(self) -> BoolArray:
-        """Whether mu_alpha changes its sign, ``(n,)``; see `sign_changes`."""
+        """Whether the aerodynamic moment mu_alpha changes its sign over the steps, ``(n,)``."""
         return sign_changes(self.nominal)
 
     def of(self, cases: IndexArray) -> Equations:

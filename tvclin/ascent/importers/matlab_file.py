@@ -50,8 +50,9 @@ def read_matlab(path: Path) -> dict[str, Value]:
     than `MAX_BYTES` bytes or `MAX_NUMBERS` numbers when it is unpacked.
     """
     name, content = called(path), read_bytes(path, "the log of a simulation")
+    # the header ends with the version, in two bytes, and two letters in the order of the bytes
     order = {b"IM": "<", b"MI": ">"}.get(content[126:_HEADER])
-    version = content[125:126] if order == "<" else content[124:125]
+    version = content[125:126] if order == "<" else content[124:125]  # its upper byte
     if order is not None and version == b"\2":
         raise InputError(f"{name} is a .mat file of version 7.3; save it in MATLAB with -v7")
     try:

@@ -238,7 +238,11 @@ def powered(
     `free`: whether each row is in free flight, off the rod; by default every row is.
     """
     time, thrust = flight["time"], flight["thrust"]
-    _check_times(flight)
+    flight.require(np.isfinite(time), lambda _: "the time is missing")
+    flight.require(
+        np.append(True, np.diff(time) >= 0.0),
+        lambda i: f"the time must rise; got {time[i]:g} s after {time[i - 1]:g} s",
+    )
     low = -np.inf if start is None else errors.number("start", start, unit="s")
     high = np.inf if stop is None else errors.number("stop", stop, unit="s")
     inside = (time >= low) & (time <= high)
@@ -270,16 +274,6 @@ def powered(
             f"{flight.source} must hold two or more rows of powered flight; got {len(burn.places)}"
         )
     return burn.noted(*_omitted(flight, inside & ~last_of_time, index, first, end))
-
-
-def _check_times(flight: Flight) -> None:
-    """Raise `InputError` for a time of a flight that is missing or falls."""
-    time = flight["time"]
-    flight.require(np.isfinite(time), lambda _: "the time is missing")
-    flight.require(
-        np.append(True, np.diff(time) >= 0.0),
-        lambda i: f"the time must rise; got {time[i]:g} s after {time[i - 1]:g} s",
-    )
 
 
 def _check_numbers(flight: Flight, name: str, column: Column) -> None:
@@ -485,7 +479,12 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     largest = errors.whole_number("max_rows", max_rows)
     if largest < 2:
         raise errors.InputError(f"max_rows must be 2 or more; got {largest}")
-    columns = vehicle_columns(flight)
+    # fields of the vehicle, altitude and deflection: given, or computed from other columns
+    columns = {
+        key: flight.columns[key] if key in flight.columns else _COMPUTED[key](flight)
+        for key in _FIELDS
+        if key in flight.columns or key in _COMPUTED
+    }
     values = {key: column.values for key, column in columns.items()}
     if "angle_of_attack" in flight.columns:
         _check_angle_of_attack(flight)
@@ -510,19 +509,6 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     return FlightSchedule(vehicle, **others, notes=tuple(notes))
 
 
-def vehicle_columns(flight: Flight) -> dict[str, Column]:
-    """Return the fields of a vehicle, altitude and nominal deflection, as columns of a flight.
-
-    Weight, arms, normal force slope and axial force that have no column are computed from theirs.
-    """
-    have = flight.columns
-    return {
-        name: have[name] if name in have else _COMPUTED[name](flight)
-        for name in _FIELDS
-        if name in have or name in _COMPUTED
-    }
-
-
 def _weight(flight: Flight) -> Column:
     """Return the weight W [N] of the mass of a flight."""
     mass = flight.columns["mass"]
@@ -530,15 +516,10 @@ def _weight(flight: Flight) -> Column:
 
 
 def _normal_force_slope(flight: Flight) -> Column:
-    """Return the normal force slope N = q S dC_N/dalpha [N/rad] of a flight, eq (B1d)."""
+    """Return the normal force slope N = q S dC_N/dalpha [N/rad] of a flight."""
     slope = flight.columns["normal_force_coefficient_slope"]
     _check_slope(slope.values)
     return _aerodynamic_force(flight, "dC_N/dalpha", slope)
-
-
-def _axial_force(flight: Flight) -> Column:
-    """Return the axial force F_A = q S C_A [N] of a flight."""
-    return _aerodynamic_force(flight, "C_A", flight.columns["axial_force_coefficient"])
 
 
 def _aerodynamic_force(flight: Flight, symbol: str, coefficient: Column) -> Column:
@@ -572,12 +553,14 @@ def _control_arm(flight: Flight) -> Column:
     return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
 
 
-_COMPUTED = {
+_COMPUTED: dict[str, Callable[[Flight], Column]] = {
     "weight": _weight,
     "normal_force_slope": _normal_force_slope,
     "aerodynamic_arm": _aerodynamic_arm,
     "control_arm": _control_arm,
-    "axial_force": _axial_force,
+    "axial_force": lambda flight: _aerodynamic_force(
+        flight, "C_A", flight.columns["axial_force_coefficient"]
+    ),
 }
 """Functions of the quantities that are computed from other columns."""
 

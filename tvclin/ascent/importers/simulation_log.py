@@ -63,7 +63,8 @@ class SimulatedFlight(Shown):
         if np.any(np.diff(heights) <= 0.0):
             raise InputError("the altitude of the log must rise, or its wind has no height")
         v = self.schedule.clamped_at(self.wind.time)
-        speed = v.velocity * np.sin(self.wind.angle) / np.sin(v.attitude)  # eq (B1e), turned
+        # from eq (B1e) of the report: sin(angle) = (wind speed/speed) sin(path)
+        speed = v.velocity * np.sin(self.wind.angle) / np.sin(v.attitude)
         height = np.interp(self.wind.time, self.schedule.times, heights)
         return WindProfile(height=height, east=np.zeros(height.size), north=speed, source="the log")
 

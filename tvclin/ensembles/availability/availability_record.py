@@ -272,9 +272,9 @@ class Availability(Tabled):
             (
                 *(Column(name, values, "rad") for name, values in angles.items()),
                 Column("flies", np.atleast_2d(self.flies)),
-                Column("from", begins, "s", ("time",)),
-                Column("to", ends, "s", ("time",)),
-                Column("why", np.array(self.why, dtype=str), "", ("time",)),
+                Column("from", begins, "s", axes=("time",)),
+                Column("to", ends, "s", axes=("time",)),
+                Column("why", np.array(self.why, dtype=str), unit="", axes=("time",)),
             ),
             {
                 "limit": self.limit,

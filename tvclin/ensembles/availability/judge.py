@@ -131,12 +131,12 @@ class Judge:
         whether the dynamic pressure encountered counts, or the nominal. `options`: `limit_shape`
         and `known_to`. Same exceptions as `FlightMode` and `FlightPath`.
         """
-        planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight)
+        planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight, pressure)
         return cls(
             flight=flight,
             path=path,
-            additions=Additions(growth=growth, gust=gust, gust_speed=gust_speed, pressure=pressure),
-            interval=_judged_interval(flight, model, planes),
+            additions=Additions(growth, gust, gust_speed),
+            interval=_judged_interval(flight, model, planes, pressure),
             planes=planes,
             azimuths=azimuths,
             **options,
@@ -153,7 +153,7 @@ class Judge:
         wind_known = np.ones(lower.shape, dtype=bool)
         heights = np.full((len(soundings), 2), np.nan)
         reasons = [reason and f"{UNUSABLE}: {reason}" for reason in soundings.why]
-        for reason, holds in self._unjudged(soundings):
+        for reason, holds in self._unjudged(soundings).items():
             for i in np.flatnonzero(holds & soundings.usable).tolist():
                 reasons[i] = reasons[i] or reason
         index = np.flatnonzero([not reason for reason in reasons])  # soundings that may be judged
@@ -249,8 +249,8 @@ class Judge:
             winds = together.select(batch)
             yield index[batch], winds.linear_heights(self.path, self.additions.strongest), winds
 
-    def _unjudged(self, soundings: Soundings) -> list[tuple[str, BoolArray]]:
-        """Return pairs of a reason why n soundings are not judged, and whether it holds, ``(n,)``.
+    def _unjudged(self, soundings: Soundings) -> dict[str, BoolArray]:
+        """Return whether a reason not to judge n soundings holds, ``(n,)``, by the reason.
 
         They end below, or begin above, the height of the largest dynamic pressure, or are too low.
         """
@@ -260,9 +260,9 @@ class Judge:
         top[full] = soundings.height[soundings.offsets[1:][full] - 1]
         densest = self.path.densest  # height [m] of the largest dynamic pressure
         with np.errstate(invalid="ignore"):
-            reasons = [(TOO_LOW, top < densest), (TOO_HIGH, bottom > densest)]
+            reasons = {TOO_LOW: top < densest, TOO_HIGH: bottom > densest}
             if self.known_to is not None:
-                reasons.append((TOO_SHORT, top < self.known_to))
+                reasons[TOO_SHORT] = top < self.known_to
         return reasons
 
     def _bounds_of_unknown(
@@ -296,7 +296,7 @@ class Judge:
         """
         towards = []  # one array (3, n) for each azimuth
         for a in range(self.azimuths.size):
-            in_planes = [
+            in_planes = [  # by index of a plane, for each wind in it that must be survived
                 (p, np.stack([winds.bounds.lower, winds.bounds.upper, winds.bounds.lowest]))
                 for p, winds in self._marched(soundings, within, a, strong)
             ]
@@ -355,8 +355,7 @@ class Judge:
         `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: index of the
         azimuth. `strong`: whether a wind that is not known is strong, or calm.
         """
-        azimuth, pressure = float(self.azimuths[a]), self.additions.pressure
-        interval = self.interval
+        azimuth, interval = float(self.azimuths[a]), self.interval
         first, last = interval.path.height[[0, -1]]
         low, high = np.clip(within, first, last).T[..., np.newaxis]  # (n, 1) each
         height = np.clip(soundings.breakpoints(interval.path, strong), low, high)
@@ -369,8 +368,7 @@ class Judge:
             p = self.planes.index(plane)
             for sign, winds in self._of_signs(along, plane, soundings, height, strong):
                 for with_gust in march.with_gusts(winds, sign, self.additions):
-                    bounds = march.bounds(with_gust, pressure)
-                    yield p, MarchedWinds(march, winds=with_gust, bounds=bounds, pressure=pressure)
+                    yield p, MarchedWinds(march, with_gust, march.bounds(with_gust))
 
     def _of_signs(
         self,
@@ -401,18 +399,22 @@ class Judge:
 
 
 @lru_cache(maxsize=8)
-def _judged_interval(flight: FlightSchedule, model: str, planes: tuple[str, ...]) -> FlightInterval:
+def _judged_interval(
+    flight: FlightSchedule, model: str, planes: tuple[str, ...], pressure: bool
+) -> FlightInterval:
     """Return the judged interval of a flight, up to the last interval with an unstable mode.
 
     `model`: its linear model. `planes`: planes of the motion, of which the later end counts.
-    Without an unstable mode it is the whole flight, without equations. Cached by its arguments.
+    `pressure`: whether winds count with the dynamic pressure that they cause. Without an unstable
+    mode it is the whole flight, without equations. Cached by its arguments.
     """
     modes = [FlightMode(flight, model, plane, flight.span) for plane in planes]
     unstable = [mode.until_stable for mode in modes if mode.unstable]
     if not unstable:
-        return FlightInterval(FlightPath.of(flight), marches={})
+        return FlightInterval(FlightPath.of(flight, pressure), marches={})
     judged = max((mode.schedule for mode in unstable), key=lambda schedule: schedule.span[1])
     motions = [FlightMode(judged, model, mode.plane, judged.span) for mode in unstable]
-    fastest, path = max(motions, key=lambda motion: motion.fastest.max()), FlightPath.of(judged)
+    fastest = max(motions, key=lambda motion: motion.fastest.max())
+    path = FlightPath.of(judged, pressure)
     marches = {mode.plane: PlaneMarch(path, mode.plane, mode, fastest) for mode in motions}
     return FlightInterval(path, marches)

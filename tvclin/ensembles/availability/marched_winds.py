@@ -16,6 +16,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.ensembles.availability.sounding_winds import FlightPath, LineWinds, WindGrowth, on_lines
 from tvclin.requirement import time_varying
 from tvclin.requirement.flight.flight_requirement import FlightMode
+from tvclin.requirement.time_varying import SteppedWinds
 from tvclin.requirement.varying_curves import Curves, smaller
 from tvclin.requirement.varying_equations import Equations
 from tvclin.vehicle.coefficients import PLANES
@@ -28,17 +29,15 @@ than once while the path drifts slowly; docs/availability.md has measured ratios
 
 @dataclass(frozen=True, eq=False)
 class Additions:
-    """Growth and gust that are added to the winds of soundings, and the dynamic pressure.
+    """Growth and gust that are added to the winds of soundings.
 
     `growth`: growth of the wind until launch, or None. `gust`: a gust, by its angle [rad], or None.
-    `gust_speed`: wind speed [m/s] at the peak of the gust, in place of its angle. `pressure`:
-    whether the dynamic pressure encountered counts, or the nominal one.
+    `gust_speed`: wind speed [m/s] at the peak of the gust, in place of its angle.
     """
 
     growth: WindGrowth | None
     gust: History | None
     gust_speed: float | None
-    pressure: bool
 
     def grown(self, height: FloatArray) -> FloatArray:
         """Return the growth of winds [m/s] at heights [m], in their shape; zero without growth."""
@@ -110,53 +109,46 @@ class PlaneMarch:
         """First and last time [s] of the interval."""
         return self.path.time[0], self.path.time[-1]
 
-    def curves(self, winds: LineWinds, pressure: bool) -> Curves:
-        """Return the curves of trim and demand [rad] of winds over the steps.
-
-        Trim is the deflection of zero moment, the demand the limit that is sufficient when held
-        from then on. `pressure`: whether the dynamic pressure encountered counts, or the nominal
-        one.
-        """
+    def stepped(self, winds: LineWinds) -> SteppedWinds:
+        """Return winds as the vehicle encounters them over the even steps, with its equations."""
         steps, equations = self._steps
-        return time_varying.curves(
-            equations, *self.path.encountered(steps, winds, self.plane, pressure)
-        )
+        return SteppedWinds(equations, *self.path.encountered(steps, winds, self.plane))
 
     def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) [rad] and its time [s], ``(n,)`` each.
 
-        Where two unstable modes of the vehicle are a pair, trim counts alone. `march`: curves of n
-        winds. `sign`: sign of the deflections that count; None for both.
+        Trim is the deflection of zero moment, the demand the limit that is sufficient when held
+        from then on; where two unstable modes are a pair, trim counts alone. `march`: both curves
+        of n winds. `sign`: sign of the deflections that count; None for both.
         """
         _, equations = self._steps
         paired = np.broadcast_to(equations.paired, march.trim.shape)
         return march.limit_of_trim_law(paired, sign)
 
-    def bounds(self, winds: LineWinds, pressure: bool) -> Bounds:
+    def bounds(self, winds: LineWinds) -> Bounds:
         """Return bounds of the required deflections [rad] of n winds.
 
         They are equal unless flights of the trim law decide (`time_varying.decided_by_flights`),
         which are not flown here, except with a limit that the law never reaches, where even with
-        that it may diverge. `pressure`: whether the dynamic pressure encountered counts, or the
-        nominal one.
+        that it may diverge.
         """
-        steps, equations = self._steps
-        encountered = self.path.encountered(steps, winds, self.plane, pressure)
-        march = time_varying.curves(equations, *encountered)  # trim and demand over time
+        stepped = self.stepped(winds)
+        equations, march = stepped.equations, stepped.curves()  # trim and demand over time
         (limit, _time), highest = self._limit(march), march.highest_limit
-        limit = np.maximum(limit, self._limit_at_levels(winds, pressure, march, encountered))
+        limit = np.maximum(limit, self._limit_at_levels(winds, march, stepped))
         if np.any(equations.paired):
             return Bounds(lower=limit, upper=limit, lowest=limit, highest=highest)
         minimum = np.zeros(limit.shape)
-        for cases, peaks in time_varying.peaks_over_modes(equations, encountered, march.path):
+        for cases, peaks in stepped.peaks_over_modes(march.path):
             minimum[cases] = peaks[:, 0]  # from the begin of the first step on
         flown, lowest = time_varying.decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
+        # a flight requires at most a measured multiple of it, and less than the law ever reaches
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
         if np.any(equations.quick_path | equations.changes_sign) or self._law_may_diverge:
             upper = np.maximum(limit, highest)
         if self._law_may_diverge:
-            never = self.flights(winds, pressure).diverge(highest[:, np.newaxis])[:, 0]
+            never = self.flights(winds).diverge(highest[:, np.newaxis])[:, 0]
             upper = np.where(never, np.inf, upper)
         else:
             upper = np.where(flown, upper, limit)
@@ -180,32 +172,26 @@ class PlaneMarch:
         return bool(np.any(mu_alpha < 0.0) or np.any(path_rate > 0.0))
 
     def _limit_at_levels(
-        self,
-        winds: LineWinds,
-        pressure: bool,
-        march: Curves,
-        encountered: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+        self, winds: LineWinds, march: Curves, stepped: SteppedWinds
     ) -> FloatArray:
         """Return the largest min(trim, demand) [rad] at the levels of winds, ``(n,)``.
 
         Trim alone counts where two unstable modes are a pair. Between the ends of steps the part of
         trim that balances drift is linear; the other part follows from the wind of each level.
-        `march`, `encountered`: curves, and times [s], angles [rad], pressure ratios q/q_n and
-        onsets of the winds over the steps. `pressure`: whether the dynamic pressure encountered
-        counts, or the nominal one.
+        `march`, `stepped`: curves of trim and demand of the winds, and the winds, over the steps.
         """
         steps, equations = self._steps
         # row of the angular acceleration in [A b w], whose last columns are deflection and wind
         acceleration = equations.nominal[..., 1, :]
         static = -acceleration[..., -1] / acceleration[..., -2]  # trim over wind angle: -B
-        _times, angle, ratio, _onset = encountered
+        drift_trim = march.trim - static * stepped.ratio * stepped.wind
         of_drift, static, paired = (  # at the first begin and the ends of all steps
             np.concatenate([x[:, :1, 0], x[..., 2]], axis=1)
-            for x in (march.trim - static * ratio * angle, static, equations.paired)
+            for x in (drift_trim, static, equations.paired)
         )
         ends, times = np.append(steps[0, 0, 0], steps[0, :, 2]), winds.times
         along, across = (winds.speeds[plane] for plane in PLANES)
-        angle, ratio = self.path.angle_and_pressure(times, along, across, self.plane, pressure)
+        angle, ratio = self.path.angle_and_pressure(times, along, across, self.plane)
         trim = on_lines(np.broadcast_to(ends, of_drift.shape), of_drift, times)
         trim += np.interp(times, ends, static[0]) * ratio * angle
         case = np.broadcast_to(np.arange(len(times))[:, np.newaxis], times.shape)
@@ -219,8 +205,7 @@ class PlaneMarch:
         """Return winds with a gust: at the time of the largest wind, and of the requirement.
 
         These are two records of n winds; without a gust the winds themselves. `sign`: sign of wind
-        and gust; a wind that never has this sign is without a gust. `additions`: the gust, and
-        whether the dynamic pressure encountered counts.
+        and gust; a wind that never has this sign is without a gust. `additions`: has the gust.
         """
         gust, times = additions.gust, winds.times
         if gust is None:
@@ -231,8 +216,8 @@ class PlaneMarch:
         # row of the angular acceleration in [A b w], in the middle of each step
         acceleration = equations.nominal[0, :, 1, 1]
         trim_per_wind = -np.sum(acceleration[:, -1] / acceleration[:, -2])  # its sign counts
-        march = self.curves(winds, additions.pressure)
-        _limit, limit_time = self._limit(march, float(np.sign(trim_per_wind)) * sign)
+        trim_sign = float(np.sign(trim_per_wind)) * sign
+        _limit, limit_time = self._limit(self.stepped(winds).curves(), trim_sign)
         speed = partial(self._gust_speed, sign, additions, calm)
         return [
             winds.with_gust(gust, self.plane, at, speed)
@@ -253,19 +238,16 @@ class PlaneMarch:
         if gust is not None and speed is not None:
             speeds = sign * speed * angle / float(gust.peak)
         else:
-            speeds = self.path.speed_of_angle(sign * angle, at, self.plane, additions.pressure)
+            speeds = self.path.speed_of_angle(sign * angle, at, self.plane)
         return np.where(calm[:, np.newaxis], 0.0, speeds)
 
-    def flights(self, winds: LineWinds, pressure: bool) -> time_varying.LimitedFlights:
-        """Return flights of the ideal trim law through winds, and the calm after them.
-
-        `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
-        """
+    def flights(self, winds: LineWinds) -> SteppedWinds:
+        """Return winds and the calm after them over the finer steps of flights."""
         steps, equations = self._flight_steps
         _, even_equations = self._steps
-        *encountered, onset = self.path.encountered(steps, winds, self.plane, pressure)
+        *encountered, onset = self.path.encountered(steps, winds, self.plane)
         times, wind, ratio = time_varying.with_calm_after(even_equations, *encountered)
-        return time_varying.LimitedFlights(equations, times, wind, ratio, onset)
+        return SteppedWinds(equations, times, wind, ratio, onset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,13 +255,11 @@ class MarchedWinds:
     """Winds of n soundings in a plane of an interval of a flight, one each, with their bounds.
 
     `march`: equations of the flight in the plane. `bounds`: bounds of the required deflections.
-    `pressure`: whether the dynamic pressure encountered counts, or the nominal one.
     """
 
     march: PlaneMarch
     winds: LineWinds
     bounds: Bounds
-    pressure: bool
 
     def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
         """Return whether limits [rad] must be flown, and whether they are insufficient, ``(n,)``.
@@ -297,7 +277,7 @@ class MarchedWinds:
         `limit`: a limit for each of the n winds, ``(n,)``. `cases`: indices of the winds that are
         flown, in whose order the answers are.
         """
-        flights = self.march.flights(self.winds.select(cases), self.pressure)
+        flights = self.march.flights(self.winds.select(cases))
         return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])
 
     def requirement(self, cases: IndexArray) -> FloatArray:
@@ -309,6 +289,6 @@ class MarchedWinds:
         undecided = np.flatnonzero((b.upper > b.lowest)[cases])
         if undecided.size:
             flown = cases[undecided]
-            flights = self.march.flights(self.winds.select(flown), self.pressure)
+            flights = self.march.flights(self.winds.select(flown))
             required[undecided] = flights.requirement(b.lowest[flown], b.highest[flown])
         return required

@@ -169,7 +169,8 @@ class FlightPath:
     """A flight over height, as arrays ``(f,)``.
 
     `height` [m], `time` [s], `speed` [m/s], `climb`: flight path angle [rad]. `densest`: height [m]
-    of the largest rho V^2, in the standard atmosphere.
+    of the largest rho V^2, in the standard atmosphere. `pressure`: whether winds count with the
+    dynamic pressure that they cause, or the nominal one.
     """
 
     height: FloatArray
@@ -177,14 +178,18 @@ class FlightPath:
     speed: FloatArray
     climb: FloatArray
     densest: float
+    pressure: bool
 
     @classmethod
-    def of(cls, flight: FlightSchedule) -> FlightPath:
-        """Return the path of a flight; `InputError` without altitude, or where none is gained."""
+    def of(cls, flight: FlightSchedule, pressure: bool) -> FlightPath:
+        """Return the path of a flight; `InputError` without altitude, or where none is gained.
+
+        `pressure`: whether winds count with the dynamic pressure that they cause.
+        """
         time, height, speed, climb = checked_flight(flight)
         density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
         densest = float(height[np.argmax(density * speed**2)])
-        return cls(height=height, time=time, speed=speed, climb=climb, densest=densest)
+        return cls(height, time, speed, climb, densest=densest, pressure=pressure)
 
     def speed_and_climb(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return speed [m/s] and flight path angle [rad] at times [s]."""
@@ -200,7 +205,7 @@ class FlightPath:
         return np.minimum(MAX_WIND_SPEED, np.sin(MAX_LINEAR_ANGLE) * speed)
 
     def nominal_angle(self, wind: FloatArray, times: FloatArray, plane: str) -> FloatArray:
-        """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight, eq (B1e).
+        """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight.
 
         `times`: times of the winds [s]. `plane`: "pitch" for winds along the path, "yaw" for those
         across it.
@@ -208,46 +213,43 @@ class FlightPath:
         speed, climb = self.speed_and_climb(times)
         return _angle(wind / speed * (1.0 if plane == "yaw" else np.sin(climb)))
 
-    def speed_of_angle(
-        self, angle: FloatArray, times: FloatArray, plane: str, pressure: bool
-    ) -> FloatArray:
+    def speed_of_angle(self, angle: FloatArray, times: FloatArray, plane: str) -> FloatArray:
         """Return the winds [m/s] that turn the nominal path by angles [rad] at times [s].
 
-        `plane`: "pitch" for winds along the path, "yaw" for those across it. With `pressure` the
-        angle follows from the wind triangle, NaN where no horizontal wind turns the path so far;
-        else it is the angle of eq (B1e).
+        `plane`: "pitch" for winds along the path, "yaw" for those across it. At the dynamic
+        pressure encountered the angle is that of the wind triangle, and the wind NaN where no
+        horizontal one turns the path so far; at the nominal one it is that at the nominal speed.
         """
         speed, climb = self.speed_and_climb(times)
-        if pressure:
+        if self.pressure:
             return speed * (np.tan(angle) if plane == "yaw" else along_from_angle(climb, angle))
         return speed * np.sin(angle) / (1.0 if plane == "yaw" else np.sin(climb))
 
     def encountered(
-        self, steps: FloatArray, winds: LineWinds, plane: str, pressure: bool
+        self, steps: FloatArray, winds: LineWinds, plane: str
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
 
-        q/q_n is the dynamic pressure encountered over the nominal one; without `pressure` it is one
-        and the angles are nominal. Onsets are counted in steps. `steps`: times at begin, middle and
-        end [s], ``(1, S, 3)``. `plane`: plane of the angles, pitch or yaw, which are at most
-        `MAX_LINEAR_ANGLE`.
+        q/q_n is the dynamic pressure over the nominal one. Onsets are counted in steps. `steps`:
+        times at begin, middle and end [s], ``(1, S, 3)``. `plane`: plane of the angles, pitch or
+        yaw, which are at most 30 deg.
         """
         begins, last_end = steps[0, :, 0], steps[0, -1, 2]
         times, along, across, onset = winds.at_steps(np.append(begins, last_end))
-        return times, *self.angle_and_pressure(times, along, across, plane, pressure), onset
+        return times, *self.angle_and_pressure(times, along, across, plane), onset
 
     def angle_and_pressure(
-        self, times: FloatArray, along: FloatArray, across: FloatArray, plane: str, pressure: bool
+        self, times: FloatArray, along: FloatArray, across: FloatArray, plane: str
     ) -> tuple[FloatArray, FloatArray]:
         """Return wind angles of attack [rad] and q/q_n of winds [m/s] at times [s], in their shape.
 
-        q/q_n is the dynamic pressure encountered over the nominal one; without `pressure` it is one
-        and the angles are nominal. `along`, `across`: winds along and across the path. `plane`:
-        plane of the angles, pitch or yaw.
+        q/q_n is the dynamic pressure over the nominal one; where the nominal one counts it is one,
+        and the angles are those at the nominal speed. `along`, `across`: winds along and across the
+        path. `plane`: plane of the angles, pitch or yaw.
         """
         speed, climb = self.speed_and_climb(times)
         sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
-        if not pressure:
+        if not self.pressure:
             return _angle(sine), np.ones(sine.shape)
         ratio = pressure_in_winds(climb, along / speed, across / speed)
         # the airspeed in the plane, squared, over the nominal one: pitch has no wind across

@@ -139,7 +139,8 @@ def dispersed_flight(
 
     `plan`: nominal flight and autopilot. `dispersions`: dispersed parameters, and whether each is
     scaled or shifted. `nominal`, `values`: nominal and dispersed values [SI] of the parameters at
-    the time of the vehicle of the campaign, by name.
+    the time of the vehicle of the campaign, by name. `InputError` for factors on modes of a flight
+    without a structure.
     """
     relative = {d.parameter: d.relative for d in dispersions.distributions}
 
@@ -159,9 +160,15 @@ def dispersed_flight(
     changes = {name: changed(name, numbers[name]) for name in relative if name in numbers}
     if changes:
         flight = replace(flight, vehicle=vehicle.replace(**changes))
-    modes = {name: values[name] for name in relative if is_mode_factor(name)}
-    if modes:
-        flight = _with_modes(flight, modes)
+    factors = {name: values[name] for name in relative if is_mode_factor(name)}
+    if factors:
+        if flight.structure is None:
+            raise errors.InputError("factors on modes need a flight with a structure over time")
+        structure = flight.structure.structure
+        frequencies = mode_factors(structure, factors, "frequency")
+        dampings = mode_factors(structure, factors, "damping")
+        structure = structure_with_mode_factors(structure, frequencies, dampings)
+        flight = replace(flight, structure=replace(flight.structure, structure=structure))
     gains = {name: changed(name, getattr(law, name)) for name in relative if name in GAINS}
     if not gains:
         return flight, plan.autopilot
@@ -169,20 +176,6 @@ def dispersed_flight(
     if isinstance(plan.autopilot, GainSchedule):
         return flight, replace(plan.autopilot, autopilot=law)
     return flight, law
-
-
-def _with_modes(flight: FlightSchedule, factors: Mapping[str, float]) -> FlightSchedule:
-    """Return a flight with factors on frequencies and dampings of its modes.
-
-    `factors`: by name as in `Dispersion`. `InputError` for a flight without a structure.
-    """
-    if flight.structure is None:
-        raise errors.InputError("factors on modes need a flight with a structure over time")
-    structure = flight.structure.structure
-    frequencies = mode_factors(structure, factors, "frequency")
-    dampings = mode_factors(structure, factors, "damping")
-    changed = structure_with_mode_factors(structure, frequencies, dampings)
-    return replace(flight, structure=replace(flight.structure, structure=changed))
 
 
 def mode_factors(structure: Structure | None, values: Mapping[str, Any], number: str) -> FloatArray:

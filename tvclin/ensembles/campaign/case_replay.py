@@ -176,21 +176,16 @@ class Replay:
 
         Along a whole flight those in `flown_along`, of the worse direction of the wind.
         """
-        if self.campaign.along is not None:
-            return self._extremes_along()
-        return self._extremes(self.flown, ("attitude", "angle_of_attack", "deflection"))
-
-    def _extremes_along(self) -> dict[str, float]:
-        """Return the largest angles [deg] along a whole flight, and its end [s], by name."""
+        names = ("attitude", "angle_of_attack", "deflection")
+        if self.campaign.along is None:
+            return self._extremes(self.flown, names)
         if not self.planes:
             return {}
         flown = self.flown_along()
-        peaks = {
-            f"largest_{name}_deg": max(
-                float(np.degrees(abs(flight.largest(name).value))) for flight in flown
-            )
-            for name in ("attitude", "angle_of_attack", "deflection")
-        }
+        peaks = {}
+        for name in names:
+            sizes = [abs(flight.largest(name).value) for flight in flown]  # [rad]
+            peaks[f"largest_{name}_deg"] = float(np.degrees(max(sizes)))
         return peaks | {"until_s": float(flown[0].times[-1])}
 
     def flown_along(self) -> tuple[FlightAlong, ...]:

@@ -62,6 +62,7 @@ def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
 
     `first`, `count`: number of the first case, and how many.
     """
+    # one for each dispersed parameter, and one that chooses the wind of an ensemble
     dimension = len(campaign.dispersions.distributions) + (1 if campaign.wind.count else 0)
     return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
 

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent import futures
 from contextlib import contextmanager
-from itertools import islice
+from itertools import islice, pairwise
 from multiprocessing import get_context, parent_process, resource_tracker
 from os import PathLike
 from pathlib import Path
@@ -140,7 +140,7 @@ def _interrupts(change: str) -> Iterator[None]:
 async def _connect(distributed: Any, address: str) -> None:
     """Connect to a scheduler and close the connection; a `Client` that fails hangs when deleted.
 
-    `distributed`: the module of Dask. `address`: of the scheduler, as in `cluster`.
+    `distributed`: the module of Dask. `address`: such as "tcp://10.0.0.1:8786".
     """
 
     async def connect() -> None:
@@ -349,7 +349,10 @@ def _work(
         # workers without numba do not warn that they are slow: a case here warns of all cases
         with pinned(False), repeated(total):
             evaluate(campaign, 0, 1)
-    for group in _groups(campaign, chunks):
+    # ranges of chunks after which convergence is checked, if it ends the campaign
+    ends = [0, *checkpoints(campaign.chunks)] if campaign.until is not None else [0, len(chunks)]
+    for first, end in pairwise(ends):
+        group = chunks[first:end]
         unfinished = []
         for k in group:
             if flaw(folder, manifest, k) is None:
@@ -363,20 +366,6 @@ def _work(
         if campaign.until is not None and CampaignResults.read(folder).converged:
             break
     return CampaignResults.read(folder)
-
-
-def _groups(campaign: Campaign, chunks: range) -> Iterator[range]:
-    """Yield ranges of the numbers of chunks after which convergence is checked.
-
-    `chunks`: all numbers, the only range of a campaign that does not end when it has converged.
-    """
-    if campaign.until is None:
-        yield chunks
-        return
-    begin = 0
-    for end in checkpoints(campaign.chunks):
-        yield range(begin, end)
-        begin = end
 
 
 def _finished(

@@ -184,9 +184,9 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
 
 
 def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return `COLUMNS` of the flights of a batch of n cases of a campaign, ``(n,)`` each.
+    """Return survival and peaks [rad] of the flights of a batch of n cases, ``(n,)`` by column.
 
-    Where both planes are judged, they are of both together, with three columns of each plane.
+    Where a campaign judges both planes, they are of both together, with columns of each plane.
     """
     limit = campaign.nozzle.limit
     assert limit is not None
@@ -231,7 +231,7 @@ def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
 
 
 def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[str, Any]:
-    """Return `COLUMNS` of the flights of a batch in the plane of a campaign, ``(n,)`` each.
+    """Return survival and peaks [rad] of the flights of a batch in a plane, ``(n,)`` by column.
 
     `limit`: deflection limit [rad], ``(n,)`` or a scalar.
     """
@@ -250,12 +250,12 @@ def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[
 
 
 def _fates(flown: FlownCases) -> dict[str, Any]:
-    """Return `COLUMNS` of m flights, ``(m,)`` each; peaks of diverged flights are infinite.
+    """Return survival and peaks [rad] of m flights, ``(m,)`` by column, as in `COLUMNS`.
 
     `flown`: outcomes of the flights. `flight_survived` is 1 or 0, and NaN where the flight is
-    undecided.
+    undecided; peaks of diverged flights are infinite.
     """
-    diverged = (flown.status == "lost") | (flown.status == "rings")
+    diverged = (flown.status == "lost") | (flown.status == "rings")  # or in a limit cycle
     fate = np.select([flown.status == "survived", diverged], [1.0, 0.0], np.nan)
     return {"flight_survived": fate} | {
         f"flight_peak_{name}": np.where(fate == 0.0, np.inf, getattr(flown, f"peak_{name}"))
@@ -264,7 +264,7 @@ def _fates(flown: FlownCases) -> dict[str, Any]:
 
 
 def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
-    """Return `COLUMNS` of a batch of n cases along their whole flights, ``(n,)`` each.
+    """Return survival and peaks [rad] of n cases along their whole flights, ``(n,)`` by column.
 
     They are for the worse direction of the wind. A flight through a sounding that is not known over
     its whole time is never survived: `flight_survived` is 0 if it diverges, else NaN.
@@ -418,7 +418,7 @@ def _required(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """Return the required deflections [rad] of a batch of n cases, ``(n,)`` by column.
 
     There are columns for each dead band of the campaign, the fraction K of the limit up to which
-    the vehicle is trimmed; see `_required_at`.
+    the vehicle is trimmed. They are at the dynamic pressure encountered in the wind of each case.
     """
     required: dict[str, FloatArray] = {}
     for dead_band in campaign.dead_bands:

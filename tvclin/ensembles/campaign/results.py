@@ -55,7 +55,7 @@ class CampaignResults(Tabled):
 
     @classmethod
     def read(cls, folder: Path) -> "CampaignResults":
-        """Return the results in a folder; see `open_campaign`."""
+        """Return the results of the campaign in a folder, of all chunks that are finished."""
         folder = path("folder", folder)
         manifest = read_manifest(folder)
         chunks = range(manifest.campaign.chunks)

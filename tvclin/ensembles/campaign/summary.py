@@ -299,11 +299,13 @@ class CampaignSummary(Shown):
         """
         if not losses or not survived:
             return "nothing: every flight is lost" if losses else "nothing: no flight is lost"
-        shown = [
-            f"{name} ({driver.rank:+.2f}, {_confidence_text(driver.confidence)} sure)"
-            for name, driver in self.results.loss_drivers().items()
-            if driver.confidence >= self.required.confidence
-        ]
+        shown = []
+        for name, driver in self.results.loss_drivers().items():
+            if driver.confidence >= self.required.confidence:
+                sure = f"{100 * driver.confidence:.1f} %"
+                if driver.confidence > _MAX_SHOWN_CONFIDENCE:
+                    sure = f"above {100 * _MAX_SHOWN_CONFIDENCE:g} %"
+                shown.append(f"{name} ({driver.rank:+.2f}, {sure} sure)")
         return ", ".join(shown[:_MAX_SHOWN]) or "nothing that stands out from chance"
 
 
@@ -329,10 +331,3 @@ def _with_name(name: str, line: Line) -> Line:
 def _joined(lines: list[Line]) -> Line:
     """Return lines as a single line, separated by commas."""
     return tuple(cell for k, line in enumerate(lines) for cell in ((", ",) if k else ()) + line)
-
-
-def _confidence_text(confidence: float) -> str:
-    """Return a confidence in percent, as text; above `_MAX_SHOWN_CONFIDENCE` as this bound."""
-    if confidence > _MAX_SHOWN_CONFIDENCE:
-        return f"above {100 * _MAX_SHOWN_CONFIDENCE:g} %"
-    return f"{100 * confidence:.1f} %"

@@ -121,7 +121,7 @@ def controllability_ratio(
         Peak of the gust [rad] in them, one or of each flight time, ``(n,)``: its trim counts as
         random, and not with theirs.
     thrust_offset, gravity_offset : float
-        See `total_deflection`.
+        Angle [rad] of the thrust to the nozzle, and distance [m] of the centre of gravity, random.
 
     Raises
     ------

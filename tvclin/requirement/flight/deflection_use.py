@@ -81,7 +81,7 @@ def autopilot_requirements(
     autopilot : Autopilot or GainSchedule
         Autopilot with a sample rate.
     winds, placing, window, progress
-        Winds of the sizing; see `size`. Each is flown from its onset to the end of the flight.
+        As they were given to `size`. Each wind is flown from its onset to the end of the flight.
     rate_limit : float
         Rate limit [rad/s], positive.
     sign : {"head", "tail", "frozen"}, optional

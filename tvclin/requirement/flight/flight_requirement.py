@@ -99,7 +99,7 @@ class FlightMode:
         return equations[..., :order], equations[..., order:]
 
     def trim_per_wind(self, t: Any) -> FloatArray:
-        """Return B of eq (5), the ratio of static trim deflection to angle of attack.
+        """Return B of eq (5) of the report, the ratio of static trim deflection to angle of attack.
 
         `t`: times [s], of the shape of the result.
         """

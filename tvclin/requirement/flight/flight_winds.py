@@ -138,10 +138,10 @@ def placed_in_planes(
 ) -> dict[str, PlacedWind]:
     """Return a wind placed at a flight time [s], by planes; in both planes its vector is placed.
 
-    `vehicle`: vehicle at this time. `placing`: "peak" or "flight", see `place`. `window`: interval
-    [s] about the time in which a wind in flight time counts. A wind of more than
-    `MAX_LINEAR_ANGLE`, or with a `NotKnownError` at this time, counts as unknown. Same exceptions
-    as `place`; in both planes also for a wind without a direction.
+    `vehicle`: vehicle at this time. `placing`: "peak" for a wind whose peak is moved to this time,
+    "flight" for a wind in flight time, which counts within half a `window` [s] of it. A wind of
+    more than 30 deg, or with a `NotKnownError` at this time, counts as unknown. Same exceptions as
+    `place`; in both planes also for a wind without a direction.
     """
     try:
         if len(planes) == 1:
@@ -199,11 +199,9 @@ def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
 
     `placed`: placed wind of each plane.
     """
-    winds = {
-        plane: placed_wind.history for plane, placed_wind in placed.items() if not placed_wind.calm
-    }
+    winds = {plane: x.history for plane, x in placed.items() if not x.calm}
     if len(winds) < len(PLANES):
-        return max((abs(float(placed_wind.peak)) for placed_wind in winds.values()), default=0.0)
+        return max((abs(float(history.peak)) for history in winds.values()), default=0.0)
     return float(PlaneWind(**winds).peak)
 
 
@@ -212,9 +210,8 @@ def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
 
     `placed`: the wind by plane, or in one plane.
     """
-    angles = [
-        float(placed_wind.history(time - placed_wind.zero)) for placed_wind in placed.values()
-    ]
+    # a history has its own time, whose zero is at the flight time `zero`
+    angles = [float(x.history(time - x.zero)) for x in placed.values()]
     return float(np.linalg.norm(angles))
 
 

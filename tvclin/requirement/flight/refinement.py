@@ -72,7 +72,11 @@ def refined_sizing(
 def neighbouring_times(
     time: float | None, listed: FloatArray, refined: FloatArray
 ) -> tuple[float, ...]:
-    """Return the two listed flight times [s] about one of the refined ones; empty for others."""
+    """Return the two listed flight times [s] between which a time [s] was inserted.
+
+    `listed`: flight times of the request. `refined`: these and the inserted ones. Empty for a
+    listed time, and for one that is none of them.
+    """
     if time is None or time in listed or time not in refined:
         return ()
     order = np.sort(listed)

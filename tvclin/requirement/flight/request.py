@@ -356,24 +356,24 @@ class SizingRequest:
         )
 
     def times(self, case: Case) -> NDArray[Any]:
-        """Return flight times [s]: first, last and even times between them, ``(n,)``; see `start`.
+        """Return flight times [s]: first, last and even times between them, ``(n,)``.
+
+        By default the longest pulse, with its peak at the first or last, lies in the schedule.
 
         Raises
         ------
         InputError
             For ends not in order, and more than 10000 flight times.
         """
-        # so that the longest pulse, with its peak at a flight time, lies in the schedule
         half = 0.5 * max((pulse.duration for pulse in self.pulses(case)), default=0.0)
         first, last = self.schedule.span
         if last - first < 2.0 * half:
             half = 0.0
-        low = (
-            first + half
-            if self.start is None
-            else errors.number("the first flight time", self.start)
-        )
-        high = last - half if self.stop is None else errors.number("the last one", self.stop)
+        low, high = first + half, last - half
+        if self.start is not None:
+            low = errors.number("the first flight time", self.start)
+        if self.stop is not None:
+            high = errors.number("the last one", self.stop)
         if high < low:
             raise errors.InputError(
                 "flight times are those between start and stop, which must be in this order; got"

@@ -246,7 +246,7 @@ def size(
         flight time, and counts within half a `window` [s] of each flight time. For all winds, or by
         name, then "peak" for other winds.
     window : float
-        See `placing`.
+        Length [s] of the interval about each flight time in which a wind in flight time counts.
     law : {"bound", "flown"}
         Requirement of laws without a forecast: their lower bound, or the requirement of the
         recoverable-attitude law in flight (a second or more for each wind and time).
@@ -391,16 +391,27 @@ def _plane_sizing(
             if varying:
                 raise
             messages.append(f"parameters are frozen at each flight time: {error}")
+    rows = list(zip(vehicles, placed, strict=True))
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
+    span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
+    changes = [[_change(schedule, plane, v, w) for w in row] for v, row in rows]
+    begins, ends = np.moveaxis(span, -1, 0)
+    first, last = schedule.span
+    tolerance = 1e-9 * (last - first)  # rounding of times
     return Sizing(
         **vars(inputs),
         required=required,
+        begins=begins,
+        ends=ends,
+        change=np.array(changes),
+        known=np.array([[w.known for w in row] for row in placed]),
+        covered=np.array([[w.calm for w in row] for row in placed])
+        | ((begins >= first - tolerance) & (ends <= last + tolerance)),
         slow_mode=slow,
         edge=np.array(edges),
         said=tuple(dict.fromkeys(messages)),
         notes=(),
         arises=arises,
-        **_circumstances(schedule, plane, vehicles, placed),
     )
 
 
@@ -417,31 +428,6 @@ def _messages(times: FloatArray, needs: list[list[FrozenRequirement]]) -> list[s
         message if len(when) == times.size else f"at {flight_times(when)}: {message}"
         for message, when in at.items()
     ]
-
-
-def _circumstances(
-    schedule: FlightSchedule,
-    plane: str,
-    vehicles: list[Vehicle],
-    placed: list[list[PlacedWind]],
-) -> dict[str, Any]:
-    """Return fields of `Sizing`: begin and end [s], change and coverage of winds, ``(n, m)``.
-
-    `vehicles`: vehicle of the schedule at each of n flight times. `placed`: m winds at each of
-    these times, in the plane `plane`.
-    """
-    span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
-    changes = [
-        [_change(schedule, plane, v, w) for w in row]
-        for v, row in zip(vehicles, placed, strict=True)
-    ]
-    return {
-        "begins": span[..., 0],
-        "ends": span[..., 1],
-        "change": np.array(changes),
-        "known": np.array([[w.known for w in row] for row in placed]),
-        "covered": np.array([[_covers(schedule, w) for w in row] for row in placed]),
-    }
 
 
 def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenRequirement]:
@@ -632,13 +618,6 @@ def _table(needs: Any, value: Any) -> FloatArray:
     number.
     """
     return np.array([[value(need) for need in row] for row in needs], dtype=float)
-
-
-def _covers(schedule: FlightSchedule, wind: PlacedWind) -> bool:
-    """Return whether the schedule covers a wind, to a relative tolerance of 1e-9."""
-    first, last = schedule.span
-    tolerance = 1e-9 * (last - first)
-    return wind.calm or (wind.span[0] >= first - tolerance and wind.span[1] <= last + tolerance)
 
 
 def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:

@@ -258,12 +258,15 @@ def _validity_cells(sizing: Sizing, i: int, wind: int | None) -> list[Line]:
 
 
 def _marks(sizing: Sizing, i: int) -> str:
-    """Return the marks of the flight time with index `i`, keys of `_MARKS`."""
+    """Return the marks of the flight time with index `i`, keys of `_MARKS`.
+
+    Each stands for something that holds of any of its winds, as the schedule not covering it.
+    """
     marks = {
         "1": sizing.beyond_single_pole[i].any(),
-        "~": not sizing.freezing_error and (sizing.change[i] > STEADY).any(),
+        "~": not sizing.freezing_error and (sizing.change[i] > STEADY).any(),  # of beta or B
         "+": not sizing.covered[i].all(),
-        "=": sizing.unsigned is not None and sizing.unsigned[i].any(),
+        "=": sizing.unsigned is not None and sizing.unsigned[i].any(),  # effect of sign not known
         "?": not sizing.known[i].all(),
     }
     return "".join(mark for mark, present in marks.items() if present)

@@ -450,30 +450,22 @@ def totals_over_flight(
             f"at {never[0]:g} s no limit is sufficient at this dead band, so that there is no"
             " total; take a larger one"
         )
-    return [
-        _at_rate(
-            total_deflection(
-                sizing.schedule.at(t),
-                wind,
-                nominal=float(sizing.schedule.nominal_at(t)),
-                dispersion=ratio * wind,
-                others=_turbulence(turbulence, t),
-                **offsets,  # type: ignore[arg-type]
-            ),
+    totals = []
+    for t, wind in winds:
+        others: tuple[Line, ...] = ()
+        if isinstance(turbulence, FlightTurbulence):
+            name_of_line = f"turbulence, {turbulence.request.label}"
+            others = (Line(name_of_line, turbulence.quantile_at(t), kind="random"),)
+        total = total_deflection(
+            sizing.schedule.at(t),
             wind,
-            _fastest(sizing, t),
-            rate_limit,
+            nominal=float(sizing.schedule.nominal_at(t)),
+            dispersion=ratio * wind,
+            others=others,
+            **offsets,  # type: ignore[arg-type]
         )
-        for t, wind in winds
-    ]
-
-
-def _turbulence(turbulence: FlightTurbulence | str | None, time: float) -> tuple[Line, ...]:
-    """Return the contribution of turbulence at a flight time [s]; none where it is not known."""
-    if not isinstance(turbulence, FlightTurbulence):
-        return ()
-    name = f"turbulence, {turbulence.request.label}"
-    return (Line(name, turbulence.quantile_at(time), kind="random"),)
+        totals.append(_at_rate(total, wind, _fastest(sizing, t), rate_limit))
+    return totals
 
 
 def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]]:
