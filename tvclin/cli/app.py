@@ -121,8 +121,8 @@ def _listed(name: str) -> Any:
 
     text = get_data("tvclin.cli", f"{_FILE_OF_COMMAND.get(name, name)}.py") or b""
     pattern = rf'(?s)^(?:def {name}\(.*?"""|{name}_ = .*?help=")(.+?)"'
-    said = re.search(pattern, text.decode(), re.M)
-    command.__doc__ = said[1] if said else None
+    match = re.search(pattern, text.decode(), re.M)
+    command.__doc__ = match[1] if match else None
     return _registered(name, command)
 
 
@@ -173,7 +173,7 @@ class Commands(TyperGroup):
             return super().make_context(*arguments, **options)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run a command."""
+        """Run a command, with its errors, warnings and last its notes as sentences on stderr."""
         from tvclin.base.package_warnings import pass_warnings
         from tvclin.cli.output import notes_last
 
@@ -273,10 +273,11 @@ def _usage(error: Any, group: Any) -> str:
     path = " ".join(["tvclin", *context.command_path.split()[1:]]) if context else "tvclin"
     if context is None and group is not None and group.invoked_subcommand:
         path = f"tvclin {group.invoked_subcommand}"
-    unknown = [option] if type(error).__name__ == "NoSuchOption" else []
+    kind = type(error).__name__
+    unknown = kind == "NoSuchOption"
     if unknown and (message := _refused_option(context, path, option)):
         return message
-    param, kind = getattr(error, "param", None), type(error).__name__
+    param = getattr(error, "param", None)  # of a wrong value
     if kind == "BadParameter" and param is not None:
         if valid := re.search(r"\bvalid (number|float|integer)\b", error.message):
             return f"{param.opts[0]} must be {_NUMBERS[valid[1]]}"

@@ -150,13 +150,13 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
     values = {key: value for key, value in keys.items() if value is not None and value != []}
     if "availability.months" in values:
         within("--month", values["availability.months"], 1, 12)
-    missing = {"availability.archive": "a STATION", "availability.azimuth_deg": "--azimuth-deg"}
     tables = source_tables(source)
-    named = tables.get("availability", {})
-    for key, name in missing.items():
-        name_of_key = key.partition(".")[2][:7]  # archive or azimuth, in any unit
-        if key not in values and not any(k.startswith(name_of_key) for k in named):
-            raise InputError(f"availability needs {name}, or a file with [availability]")
+    named = [
+        key.removeprefix("availability.") for key in (*values, *tables.get("availability", {}))
+    ]
+    for name, needed in {"archive": "a STATION", "azimuth": "--azimuth-deg"}.items():
+        if not any(key.startswith(name) for key in named):  # in any unit
+            raise InputError(f"availability needs {needed}, or a file with [availability]")
     if "study" in tables and "wind" not in tables:
         values |= {"wind.shape": DEFAULT_WIND.shape, "wind.peak_rad": DEFAULT_WIND.peak}
         values |= {"wind.duration_s": DEFAULT_WIND.duration}

@@ -134,6 +134,7 @@ def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) ->
     if autopilot.sample_rate is not None:
         note_below("the margins in the box are of the continuous autopilot")
     worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
+    # the criteria of the case; of modes there are none to judge
     return BoxResult(worst, case.held_to.without_mode_limits or case.held_to)
 
 

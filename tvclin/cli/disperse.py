@@ -254,9 +254,9 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
     shaped = next((k for k, row in enumerate(rows) if SOUNDING not in row), 0)
     wind = f"wind.{shaped + 1}" if isinstance(tables.get("wind"), list) else "wind"
     campaign = tables.get("campaign", {})
-    home = "study" if "study" in tables or not campaign else "campaign"
-    subject = {
-        key: f"{'campaign' if key in campaign else home}.{key}"
+    table = "study" if "study" in tables or not campaign else "campaign"
+    keys_of_vehicle = {
+        key: f"{'campaign' if key in campaign else table}.{key}"
         for key in ("time_s", "model", "plane")
     }
     band = values.get("dead_band")
@@ -264,14 +264,14 @@ def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tup
         pulse = {"duration": DEFAULT_WIND.duration, "peak_deg": degrees(DEFAULT_WIND.peak)}
         values = {**values, "wind": DEFAULT_WIND.shape, **pulse}  # the sounding replaces it
     values = {
-        "--at": (subject["time_s"], values["time"]),
+        "--at": (keys_of_vehicle["time_s"], values["time"]),
         "--wind": (f"{wind}.shape", values["wind"]),
         "--duration": (f"{wind}.duration_s", values["duration"]),
         "--peak-deg": (f"{wind}.peak_deg", values["peak_deg"]),
         "--peak-speed": (f"{wind}.peak_speed_m_per_s", values["peak_speed"]),
         "--limit-deg": ("nozzle.limit_rad", values.get("limit")),
-        "--model": (subject["model"], values.get("model")),
-        "--plane": (subject["plane"], values.get("plane")),
+        "--model": (keys_of_vehicle["model"], values.get("model")),
+        "--plane": (keys_of_vehicle["plane"], values.get("plane")),
         "--dead-band": ("outputs.dead_bands", None if band is None else f"[{band}]"),
         "--cases": ("campaign.cases", values.get("cases", campaign.get("cases", CASES))),
     }

@@ -81,12 +81,12 @@ class Compared:
         """Write the CSV file and the figure of the flight."""
         from tvclin.plots import flight_chart, flight_curves
 
-        said = f"{self.flying.title}, limit {np.degrees(self.limit):.3f} deg, {self.flying.engine}"
+        title = f"{self.flying.title}, limit {np.degrees(self.limit):.3f} deg, {self.flying.engine}"
         shown.write(
             lambda: flight_curves(
-                self.flight, self.limit, "fly", said.replace("\n", ", "), self.reference
+                self.flight, self.limit, "fly", title.replace("\n", ", "), self.reference
             ),
-            lambda numbers: flight_chart(numbers, said),
+            lambda numbers: flight_chart(numbers, title),
         )
 
     def table(self) -> Table:

@@ -107,13 +107,13 @@ class LinearCase(Flying):
         servo, delay = self.plan.nozzle.actuator, 1000.0 * self.plan.autopilot_design.delay
         rate = self.plan.hardware["sample_rate"]
         with_servo = f"{servo.natural_frequency:g} rad/s" if servo else "none"
-        said = [
+        title_lines = [
             flight_title(self),
             *([parts_line(structure)] if structure else []),
             f"linear equations, {self.plant.model}, {NOMINAL}; law at {rate:g} Hz,"
             f" delay {delay:g} ms, actuator {with_servo}",
         ]
-        return "\n".join(said)
+        return "\n".join(title_lines)
 
 
 def limited_law(case: StudyPlan, name: str) -> Law:
@@ -164,20 +164,20 @@ def _compared(
     rate = case.plan.nozzle.rate_limit
     ending = f"; rigid: {_word(rigid_status)}" if case.is_flexible else ""
     size = f"{np.degrees(limit):.3f} deg"
-    ends = [abs(boundary.deflection) for boundary in boundaries or ()]
-    turning = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
+    sizes = [abs(boundary.deflection) for boundary in boundaries or ()]
+    rate_text = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
     return Compared(
         flying=case,
         flight=flight,
         limit=limit,
         reference="rigid",
         columns=("flexible", "rigid") if case.is_flexible else ("flown",),
-        boundary=(ends[0], ends[-1]) if ends else None,
+        boundary=(sizes[0], sizes[-1]) if sizes else None,
         heads=[case.title],
         verdict=f"{_word(flown_status)} with {size} {NOMINAL}, {FROZEN_VEHICLE}{ending}"
         f"{case.unknown_suffix}",
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
-        title=f"{flight_title(case)}; {case.plant.model}, limit {size}{turning}".replace(
+        title=f"{flight_title(case)}; {case.plant.model}, limit {size}{rate_text}".replace(
             "\n", ": "
         ),
         facts={
@@ -221,10 +221,10 @@ def _word(status: str) -> str:
     """
     if status == NOT_KNOWN:
         return survival(None)
-    fate = {"survived": "", "lost": "", "rings": ", limit cycle"}.get(
+    detail = {"survived": "", "lost": "", "rings": ", limit cycle"}.get(
         status, f", the vehicle {OUTCOME_WORDS[status]}"
     )
-    return f"{survival(status == 'survived')}{fate}"
+    return f"{survival(status == 'survived')}{detail}"
 
 
 _COMPARED = (
@@ -519,8 +519,8 @@ class AutopilotFlight:
             yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
         if worst is not None:
             end = ", an end of the range tried" if worst.at_range_end else ""
-            asks = angle("wind.worst", worst.peak_deflection, unit="deg")
-            yield "worst duration", (f"{worst.duration:.3g} s, ", *asks, end)
+            deflection = angle("wind.worst", worst.peak_deflection, unit="deg")
+            yield "worst duration", (f"{worst.duration:.3g} s, ", *deflection, end)
 
 
 def _worst(compared: TrimComparison, wind: Any) -> WorstDuration | None:

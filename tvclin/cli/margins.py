@@ -309,11 +309,11 @@ def margins(
     case = case_of(vehicle, *changes, wind=winds.over, time=time)
     note_single_time(vehicle, time)
     only_with(_MODES, detuned=detuned and case.vehicle.structure is None)
-    aside = ["margins without --limit-deg"] * (not flown)
+    questions = ["margins without --limit-deg"] * (not flown)
     if not flown and case.autopilot_design.design != LEAST_NOZZLE:
         only_with("--limit-deg", **vars(winds))
-        aside += ["margins without a wind"]
-    note_omissions(case, "margins", *aside)
+        questions += ["margins without a wind"]
+    note_omissions(case, "margins", *questions)
     autopilot = specified_autopilot(case, case.history, case.held_to)
     loop = JudgedMargins.of(autopilot, case.plant, case.held_to)
     in_wind = _flown(case, autopilot) if flown and loop.whole.stable else None

@@ -233,7 +233,7 @@ def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None)
         default = " and ".join(
             f"{value / factor:g}" if factor else str(value) for value in defaults
         )
-    said = typer.Option(
+    declared = typer.Option(
         *([item.option] if item.option else []),
         help=help_line(item),
         show_default=default or False,
@@ -243,7 +243,7 @@ def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None)
         name,
         Parameter.POSITIONAL_OR_KEYWORD,
         default=None,
-        annotation=Annotated[(list[kind] if item.many else kind) | None, said],
+        annotation=Annotated[(list[kind] if item.many else kind) | None, declared],
     )
 
 

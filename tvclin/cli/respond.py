@@ -90,7 +90,7 @@ class BoundedTrim:
 
     @property
     def loads(self) -> Loads:
-        """The loads of the wind."""
+        """The peaks of angle of attack and attitude error during the wind [rad], with times [s]."""
         return wind_loads(self.plant, self.deflection, self.wind)
 
     @property
@@ -130,7 +130,7 @@ class BoundedTrim:
 
     @property
     def beyond_linear(self) -> str:
-        """Reason of `beyond_linear` why the answer is not known in this wind; empty if it is."""
+        """Reason why the answer is not known in a wind of this angle; empty if it is known."""
         return beyond_linear(float(self.wind.peak))
 
     @property
@@ -288,7 +288,7 @@ def _end_notes(trim: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
 
 
 def _constant_notes(trim: BoundedTrim) -> Iterator[str]:
-    """Yield notes on the deflection that stays constant for ever, by condition (4b).
+    """Yield notes on the deflection that stays constant for ever, by eq (4b) of the report.
 
     A NaN time constant of the final motion belongs to a fast mode that is not excited: the slow
     mode alone remains.

@@ -207,9 +207,9 @@ def keys_of_arguments(settings: Iterable[str] | None) -> dict[str, str]:
     from tvclin.studyfile.keys import all_keys
 
     set_keys = [key for key, _ in pairs(settings)]
-    homes = {key.partition(".")[0] for key in set_keys}
-    homes_keys = [key.name for key in all_keys() if key.name.rpartition(".")[0] in homes]
-    return {_quantity(key): key for key in reversed([*set_keys, *homes_keys])}
+    tables = {key.partition(".")[0] for key in set_keys}
+    keys_of_tables = [key.name for key in all_keys() if key.name.rpartition(".")[0] in tables]
+    return {_quantity(key): key for key in reversed([*set_keys, *keys_of_tables])}
 
 
 def _quantity(key: str) -> str:
@@ -224,8 +224,8 @@ def similar_key(option: str) -> str | None:
     from tvclin.studyfile.keys import all_keys
 
     name = without_unit(option.strip("-").replace("-", "_"))
-    lasts = ((key.name, key.name.rpartition(".")[2]) for key in all_keys())
-    return next((key for key, last in lasts if f"{last}_".startswith(f"{name}_")), None)
+    names = ((key.name, key.name.rpartition(".")[2]) for key in all_keys())
+    return next((key for key, quantity in names if f"{quantity}_".startswith(f"{name}_")), None)
 
 
 def field_key(option: str) -> str | None:
@@ -323,22 +323,20 @@ def in_options(
 def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set[str]) -> str:
     """Return a line of a message with names of parameters replaced by options of the command.
 
-    `candidates`: options by name, the likely first. `given`: options of the command line. A name
-    with an underscore is replaced wherever it is a word, by the one option that is given or else by
-    the first; a single word, which may be English, only where it begins the line and has one given
-    option, after "give", and in a pair. A line on a key of a file stays.
+    `candidates`: options by name, the likely first. `given`: options of the command line. A single
+    word may be English, and is replaced in few places. A line on a key of a file stays.
     """
     if _IN_A_FILE.match(line):
         return line
     for name, options in candidates.items():
         likely = [option for option in options if option in given]
-        if "_" in name:
+        if "_" in name:  # wherever it is a word: by the given option, or else by the first one
             option = (likely or options[:1])[0] if len(likely) < 2 else name
             line = re.sub(rf"(?<![\w.\-]){name}(?![\w=(])", option, line)
             continue
-        if len(likely) == 1:
+        if len(likely) == 1:  # at the begin of a line: "duration of the wind must be ..."
             line = re.sub(rf"^{name}( of the wind)?(?= (must|is|needs)\b)", likely[0], line)
-        line = re.sub(rf"(?<=\bgive ){name}(?=,)", options[0], line)
+        line = re.sub(rf"(?<=\bgive ){name}(?=,)", options[0], line)  # "give duration, ..."
     for word, *pair in _PAIR.findall(line):
         if all(name in candidates for name in pair):
             first, second = (candidates[name][0] for name in pair)

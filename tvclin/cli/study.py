@@ -128,9 +128,9 @@ def _document(findings: Findings) -> dict[str, Any]:
     for name in ("dispersed", "turbulence"):
         if getattr(findings, name) is not None:
             extra[name] = getattr(findings, name)
-    said = [*findings.study.notes, *_loop_notes(findings)]
+    all_notes = [*findings.study.notes, *_loop_notes(findings)]
     answers = {"questions": questions(findings), "all_answers_yes": sufficient(findings)}
-    return findings.study.as_dict() | extra | answers | {"notes": said}
+    return findings.study.as_dict() | extra | answers | {"notes": all_notes}
 
 
 def _loop_notes(findings: Findings) -> Iterator[str]:

@@ -314,6 +314,7 @@ def required_limits(
     steps = int(np.ceil(np.log(_MIN_LIMIT_RATIO / _MAX_LIMIT_RATIO) / np.log(_LIMIT_RATIO)))
     falling = _MAX_LIMIT_RATIO * _LIMIT_RATIO ** np.arange(steps + 1)
     # Each row is flown with falling limits until it diverges, at first with all down to the goal.
+    # `diverged`: the first limit that diverges; `survived`: the limit before it.
     diverged, survived = np.full(len(points), np.inf), np.full(len(points), np.inf)
     open_rows, first = np.arange(len(points)), 0
     size = max(_LIMITS_PER_FLIGHT, int(np.sum(falling > goal)) + 1)

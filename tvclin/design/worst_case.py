@@ -230,19 +230,19 @@ def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tup
         raise InputError(f"box must have 1 to {_MAX_BOX_NUMBERS} numbers; got {len(box)}")
     of_subject = _VEHICLE if isinstance(subject, Vehicle) else _COEFFICIENTS
     names = (*of_subject, *GAINS, *LOOP, *(WIND if wind is not None else ()))
-    ends = {}
+    bounds_of = {}
     for name, pair in box.items():
         one_of("a number in box", name, names)
         bounds = finite(name, pair)
         if bounds.shape != (2,) or not bounds[0] < bounds[1]:
             raise InputError(f"box of {name} must be a least and a larger value; got {pair!r}")
-        ends[name] = (float(bounds[0]), float(bounds[1]))
-    if autopilot.actuator is None and {"actuator_frequency", "actuator_damping"} & ends.keys():
+        bounds_of[name] = (float(bounds[0]), float(bounds[1]))
+    if autopilot.actuator is None and {"actuator_frequency", "actuator_damping"} & bounds_of.keys():
         raise InputError("an actuator is in the box, but the autopilot has none")
     first_order = autopilot.actuator is not None and autopilot.actuator.damping is None
-    if first_order and "actuator_damping" in ends:
+    if first_order and "actuator_damping" in bounds_of:
         raise InputError("the actuator is of first order and has no damping")
-    return ends
+    return bounds_of
 
 
 @dataclass(frozen=True, eq=False)

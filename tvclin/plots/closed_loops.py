@@ -243,20 +243,20 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     times = _times(start, start + _LONGER * (end - start), c.wind, _BESIDE)
     # without samples, as the peaks of the comparison
     answer = c.autopilot.continuous.wind_response(c.plant, c.wind)
-    seen = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
+    rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
     wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)
     sign = -float(np.sign(B * c.wind.peak))  # that of trim; limits are sizes [rad]
     levels = {f"boundary K = {K:g}": limit for K, limit in c.boundaries.items()}
     levels[WIND_KNOWN] = c.minimum
     columns = [
-        Column(_AUTOPILOT, seen.pop("deflection"), "deg", "deflection"),
+        Column(_AUTOPILOT, rows.pop("deflection"), "deg", "deflection"),
         Column(_IDEAL, -B * wind, "deg", "deflection"),
         *(
             Column(name, np.full(times.size, sign * np.degrees(limit)), "deg", "deflection")
             for name, limit in levels.items()
             if np.isfinite(limit)
         ),
-        *(Column(name, row, "deg", "angles") for name, row in seen.items() if name in ANGLES),
+        *(Column(name, row, "deg", "angles") for name, row in rows.items() if name in ANGLES),
         Column("wind", wind, "deg", "angles"),
     ]
     peak = float(np.degrees(c.wind.peak))
@@ -300,7 +300,7 @@ def _wind_horizon(
     """
     last = float(wind.end) if np.isfinite(wind.end) else float(wind.knots[-1])
     first = min(0.0, float(wind.onset) if np.isfinite(wind.onset) else 0.0)
-    system = autopilot.close(plant)[list(_STEP), "wind"]
+    system = autopilot.close(plant)[list(_STEP), "wind"]  # from wind to attitude and deflection
     if margins.status == "unstable":
         return first, first + _rounded(_horizon(system, np.inf))
     longest = max(0.5 * (last - first), _SHORT / margins.crossover_frequency)
@@ -337,7 +337,7 @@ def flight_along_chart(flown: FlightAlong, limit: float, name: str = "") -> "Con
         Name of the vehicle and the wind.
     """
     instance("flown", flown, FlightAlong, "see fly_along")
-    ends = np.degrees(limit_angle(limit, "limit"))
+    limit_deg = np.degrees(limit_angle(limit, "limit"))
     columns: list[Column] = []
     ordinates: dict[str, str] = {}
     styles: dict[str, Style] = {curve: {"color": INK, "lw": 1.5} for curve, _ in _OUTPUTS.values()}
@@ -350,7 +350,7 @@ def flight_along_chart(flown: FlightAlong, limit: float, name: str = "") -> "Con
             values, unit = np.degrees(values), unit.replace("rad", "deg")
         columns.append(Column(curve, values, unit, panel))
         ordinates[panel] = f"{panel} [{unit}]"
-    for curve, end in zip(_LIMITS, (ends, -ends), strict=True):
+    for curve, end in zip(_LIMITS, (limit_deg, -limit_deg), strict=True):
         columns.append(Column(curve, np.full(flown.times.size, end), "deg", "deflection"))
         styles[curve] = {"color": WARM, "lw": 1.2, "ls": "--"}
     for mode, colour in zip(flown.mode_names, cycle(_MODE_COLOURS), strict=False):

@@ -174,8 +174,8 @@ def _samples(
     modes = () if bands is None else bands.modes
     omega = _frequencies(loop, margins, modes)
     response = loop.response(omega)
-    seen = np.isfinite(response) & (response != 0.0)
-    omega, response = omega[seen], response[seen]
+    drawable = np.isfinite(response) & (response != 0.0)
+    omega, response = omega[drawable], response[drawable]
     phase = np.degrees(np.unwrap(np.angle(response)))
     nearest = phase[np.argmin(np.abs(1.0 + response))]
     phase = phase - 360.0 * np.round((nearest + 180.0) / 360.0)

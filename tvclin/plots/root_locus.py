@@ -383,7 +383,7 @@ def root_locus_chart(
     size = (8.6, 7.4) if count == 1 else (10.4, 6.4 * len(rows))
     figure, placed = plt.subplot_mosaic(rows, figsize=size, layout="constrained")
     panels = [placed[k] for k in range(count)]
-    # the branches end that do not end at a zero or out of the frame
+    # ends of branches that lead neither to a zero nor out of the frame
     ends = branches[-1][np.abs(branches[-1]) < radii[0]]
     ended = f"end of the locus (factor {factors[-1]:.3g})"
     marks = [
@@ -401,8 +401,10 @@ def root_locus_chart(
         panels[0].set_title("the whole locus", fontsize="medium")
         panels[1].set_title("near the origin", fontsize="medium")
         # the whole locus has the numbers outside the other panel alone, and none beside modes
-        far = (not samples.modes and not mark.inside(panels[1]) for mark in marks)
-        shown.insert(0, [numbered(mark, number) for mark, number in zip(marks, far, strict=True)])
+        outside = (not samples.modes and not mark.inside(panels[1]) for mark in marks)
+        shown.insert(
+            0, [numbered(mark, number) for mark, number in zip(marks, outside, strict=True)]
+        )
     if samples.modes:
         _frame_modes(panels[-1], samples)
         shape, colour = MODE
@@ -468,7 +470,7 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     of the rigid vehicle and slow closed-loop poles; it has no panel if it is near the outer one.
     """
     order = samples.loop.form.open_poles().shape[-1]
-    sizes = np.sort(np.abs(poles))[:order]
+    sizes = np.sort(np.abs(poles))[:order]  # the largest ones are those of the delay
     if isinstance(samples.loop, SampledLoop):  # farther left nothing is left after a few samples
         sizes = sizes[sizes <= _MAX_OVER_NYQUIST * float(samples.loop.max_frequency()[0, 0])]
     highest = np.array([samples.margins.gain_increase_frequency])

@@ -136,11 +136,11 @@ def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None
     `curves`: numbers of the figure. `look`: its layout. `heading`: heading of the panel, or empty.
     """
     ordinate = look.ordinate if isinstance(look.ordinate, str) else look.ordinate[heading]
-    ends = curves.abscissa[np.isfinite(curves.abscissa)]
+    finite = curves.abscissa[np.isfinite(curves.abscissa)]
     axes.set(
         xlabel=pretty(curves.abscissa_label),
         ylabel=pretty(ordinate),
-        xlim=(float(ends.min()), float(ends.max())),
+        xlim=(float(finite.min()), float(finite.max())),
     )
     if heading:
         axes.set_title(pretty(heading), fontsize="medium")

@@ -348,7 +348,7 @@ def plane_chart(
     times = np.union1d(knots[(knots > ends[0]) & (knots < ends[1])], np.linspace(*ends, _TIMES))
     angles = 2.0 * np.pi * np.arange(_SIDES + 1) / _SIDES
     constant = limit.pitch + 1j * limit.yaw
-    # vectors of both planes [rad], pitch + i yaw
+    # vectors of both planes [rad], pitch + i yaw; `reach`: in each direction, over the limit
     vectors = {
         STOP: limit.deflection * shape.reach(angles) * unit_vector(angles),
         TRIMS: pair.trim(times),
@@ -359,9 +359,9 @@ def plane_chart(
     # one abscissa, pitch, for all curves: each has its ordinates, yaw, at its own points alone
     first, columns = 0, []
     for label, values in vectors.items():
-        across = np.full(points.size, np.nan)
-        across[first : first + values.size] = points[first : first + values.size].imag
-        columns.append(Column(label, across, "deg"))
+        rows, yaw = slice(first, first + values.size), np.full(points.size, np.nan)
+        yaw[rows] = points[rows].imag
+        columns.append(Column(label, yaw, "deg"))
         first += values.size
     words = (
         f"{plant.model}, K = {dead_band:g}, limit {np.degrees(limit.deflection):.4f} deg, pitch"

@@ -299,13 +299,13 @@ def _annotate(axes: "Axes", line: _Line, x: FloatArray, y: FloatArray) -> None:
 
 def _body(attitude: float, deflection: float) -> dict[str, _Line]:
     """Return the lines of vehicle, axis, nozzle and horizontal by name, at two angles [rad]."""
-    u, n = _axes_of(attitude)
+    u, n = _axes_of(attitude)  # along the body axis, and to its left
     # along the axis, and the side; the nose begins at 4.6
     corners = [(_TAIL, -1), (4.6, -1), (_NOSE, 0), (4.6, 1), (_TAIL, 1), (_TAIL, -1)]
     outline = [a * u + sign * _RADIUS * n for a, sign in corners]
     aft, across = _axes_of(attitude + deflection)
     gimbal = _TAIL * u
-    nozzle = [gimbal + side * width * across - back * aft for side, width, back in _NOZZLE]
+    nozzle = [gimbal + sign * width * across - back * aft for sign, width, back in _NOZZLE]
     right = np.array([9.6, 0.0])  # end of the local horizontal
     return {
         "body": _Line(_polyline(outline, _ALONG.size), _BODY),
@@ -326,7 +326,7 @@ def _forces(attitude: float, deflection: float) -> dict[str, _Line]:
 
     A text stands at a fraction of its arrow, and is shifted from there.
     """
-    u, n = _axes_of(attitude)
+    u, n = _axes_of(attitude)  # along the body axis, and to its left
     along, _ = _axes_of(attitude + deflection)
     gimbal, pressure, nose = _TAIL * u, _ARM_A * u, _NOSE * u
     thrust = _straight(gimbal - 4.4 * along, gimbal - 1.1 * along)
@@ -367,7 +367,7 @@ def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[
     `attitude`, `path`, `wind`, `deflection`: the angles [rad], of which `path` is the flight path
     angle. A text stands at a fraction of its arc, and is shifted from there.
     """
-    u, _ = _axes_of(attitude)
+    u, _ = _axes_of(attitude)  # along the body axis
     into_wind, back = path + wind, attitude + np.pi
     delta = _arc(3.6, back, back + deflection) + _TAIL * u  # about the gimbal
     arc = partial(_Line, style=_ANGLE, arrow="-|>")
@@ -387,7 +387,7 @@ def _arms(attitude: float) -> dict[str, _Line]:
 
     Each has heads at both ends, and thin lines lead to gimbal, c.g. and c.p. on the axis.
     """
-    u, n = _axes_of(attitude)
+    u, n = _axes_of(attitude)  # along the body axis, and to its left
     off = 1.6 * n
     ends = {"at the gimbal": -_ARM_C * u, "at c.g.": 0.0 * u, "at c.p.": _ARM_A * u}
     arm = partial(_Line, style=_ARM, fraction=0.5, shift=(-0.7, 0.3), arrow="<|-|>")

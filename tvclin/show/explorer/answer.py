@@ -323,12 +323,12 @@ def _verdict(
         else f" Flown with the law {c.law}, the vehicle {OUTCOME_WORDS[outcome]}."
     )
     if requirement is None:
-        said = (
+        sentence = (
             "No answer for these choices."
             if computed
             else "What this wind requires is computed ..."
         )
-        return f"{said}{flown}"
+        return f"{sentence}{flown}"
     if requirement.beyond_linear:
         return f"{sufficiency(None)}: {requirement.beyond_linear}.{flown}"
     have, required = float(np.degrees(c.limit)), requirement.required_deflection

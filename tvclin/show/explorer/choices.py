@@ -199,16 +199,16 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
 
     Limits and gains have the scale of ``|B|``, and of ``|B|/beta`` [s] for a rate gain.
     """
-    (start_B, start_B_over_beta), *others = (
+    (start_B, start_rate_scale), *others = (
         _sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles)
     )
-    B, B_over_beta = (max(sizes) for sizes in zip(*others, strict=True))
+    B, rate_scale = (max(sizes) for sizes in zip(*others, strict=True))
     wind, nozzle, design = plan.wind, plan.nozzle, plan.autopilot_design
     assert isinstance(wind, ShapedWind)
     gust, rate = wind.gust, nozzle.rate_limit or 0.0
     servo = 0.0 if nozzle.actuator is None else float(nozzle.actuator.natural_frequency)
     gust_peak = 0.0 if gust is None else float(gust.peak) / _DEG
-    lasts = 1.0 if gust is None else float(gust.end - gust.onset)
+    gust_duration = 1.0 if gust is None else float(gust.end - gust.onset)
     heading = 45.0 if wind.heading is None else wind.heading / _DEG
     limit = None if nozzle.limit is None else nozzle.limit / _DEG
     alpha_gain = _fitted("gain b0 [-]", 0.0, upper=5.0 * B, start_value=design.alpha_gain or 0.0)
@@ -217,7 +217,7 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
         "peak": Slider("wind peak [deg]", wind.peak / _DEG, -4.0 * _PEAK, 4.0 * _PEAK, 0.1),
         "heading": Slider("wind from [deg]", heading, -180.0, 360.0, 1.0),
         "gust_peak": Slider("gust peak [deg]", gust_peak, -10.0, 10.0, 0.1),
-        "gust_duration": Slider("gust length [s]", lasts, 0.1, 10.0, 0.1),
+        "gust_duration": Slider("gust length [s]", gust_duration, 0.1, 10.0, 0.1),
         "dead_band": Slider("dead band K [-]", plan.dead_band, 0.0, 1.0, 0.01),
         "limit": _fitted(
             "limit [deg]",
@@ -233,8 +233,8 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
         ),
         "rate_gain": _fitted(
             "gain a1 [s]",
-            3.0 * start_B_over_beta,
-            upper=15.0 * B_over_beta,
+            3.0 * start_rate_scale,
+            upper=15.0 * rate_scale,
             start_value=design.rate_gain,
         ),
         "alpha_gain": alpha_gain._replace(minimum=-alpha_gain.maximum),
@@ -294,12 +294,12 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
     start |= {k: begin for k, (_, _, begin) in lists(base, vehicles=[""]).items()}
     wind = base.wind
     assert isinstance(wind, ShapedWind)
-    stays = vehicle is base.vehicle and all(
+    unchanged = vehicle is base.vehicle and all(
         v[field] == start[field] for field in ("plane", "direction", "heading")
     )
     speeds = {"speed": ("peak", wind.speed), "gust_speed": ("gust_peak", wind.gust_speed)}
     return {
-        field: speed if stays and v[angle] == start[angle] else None
+        field: speed if unchanged and v[angle] == start[angle] else None
         for field, (angle, speed) in speeds.items()
     }
 

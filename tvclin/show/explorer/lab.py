@@ -65,12 +65,12 @@ def open_notebook(path: Path, options: Sequence[str]) -> None:
     os.environ[_SERVER] = str(os.getpid())
     settings = _SETTINGS | {"LabApp.default_url": f"/lab/tree/{quote(path.name)}"}
     settings |= {} if "--no-browser" in options else _WATCHED
-    ours = [
+    options_of_settings = [
         f"--{name}={value}"
         for name, value in settings.items()
         if not any(option.startswith(f"--{name}") for option in options)
     ]
-    LabApp.launch_instance([str(path), *ours, *options])
+    LabApp.launch_instance([str(path), *options_of_settings, *options])
 
 
 def is_open() -> bool:

@@ -500,10 +500,10 @@ def _margins(result: Answer) -> str:
     if m is None:
         return "Margins: none."
     gains = plan.autopilot.gains_text
-    said = f"Margins of the autopilot ({gains}), which the law {AUTOPILOT} flies: "
+    head = f"Margins of the autopilot ({gains}), which the law {AUTOPILOT} flies: "
     if m.reason:
-        return f"{said}none, {m.reason}."
-    return said + (
+        return f"{head}none, {m.reason}."
+    return head + (
         f"aero {m.aero_margin_dB:.1f} dB, gain increase {m.gain_increase_dB:.1f} dB, phase"
         f" {m.phase_margin_deg:.1f} deg at {m.crossover_frequency:.2f} rad/s, delay"
         f" {1000.0 * m.delay_margin:.0f} ms, peak sensitivity {m.peak_sensitivity:.2f}."
