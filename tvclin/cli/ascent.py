@@ -333,15 +333,15 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
             f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
             f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
         )
-    first_times, last_times = sizing.known_times.T  # at which each wind is known [s]
-    first_time, last_time = first_times.max(), last_times.min()
+    starts, stops = sizing.known_times.T  # first and last time at which each wind is known [s]
+    earliest, latest = starts.max(), stops.min()
     required = next(iter(sizing.required.values()))  # by time and wind; NaN where not known
     determined = sizing.times[np.isfinite(required).all(axis=1)]
     if determined.size:  # a gust may make more times unknown than the end of a sounding
-        first_time = max(first_time, determined[0] if determined[0] > begin else -np.inf)
-        last_time = min(last_time, determined[-1] if determined[-1] < end else np.inf)
-    options = [f"--from {hundredths(first_time, up=True)}"] if begin < first_time else []
-    options += [f"--to {hundredths(last_time, up=False)}"] if end > last_time else []
+        earliest = max(earliest, determined[0] if determined[0] > begin else -np.inf)
+        latest = min(latest, determined[-1] if determined[-1] < end else np.inf)
+    options = [f"--from {hundredths(earliest, up=True)}"] if begin < earliest else []
+    options += [f"--to {hundredths(latest, up=False)}"] if end > latest else []
     if options:
         yield f"{' '.join(options)} leaves out the flight times at which a wind is not known"
     # of frozen parameters, whose error varying ones would tell

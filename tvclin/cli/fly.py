@@ -73,7 +73,7 @@ _POINTS = 401
 
 
 @dataclass(frozen=True)
-class WhatFlies:
+class EngineOptions:
     """Options of the law, the engine and the dead band; `grouped` gives them to a command."""
 
     law: str | None = option(
@@ -103,30 +103,30 @@ class WhatFlies:
         engine = None if self.engine == LINEAR else self.engine
         only_with(FROZEN, law=law, engine=engine, dead_band=self.dead_band)
 
-    def on(
-        self, source: str, case: StudyPlan, flies: FlownLaw, model: Options
+    def resolved(
+        self, source: str, case: StudyPlan, law_options: FlownLaw, model: Options
     ) -> tuple[str, bool, str, Any]:
         """Return engine, whether parameters vary, law and dead band for a case.
 
         The law of gains, of options or of the file, is the autopilot. Options of another engine or
         law are refused first; notes name what is omitted of the file.
 
-        `source`: name or path of the case. `flies`, `model`: options of the law, and of the model.
-        Gains of a file count only without --engine and --dead-band. The dead band is None where the
-        law takes its own.
+        `source`: name or path of the case. `law_options`: samples, delay and gains. `model`: its
+        option. Gains of a file count only without --engine and --dead-band. The dead band is None
+        where the law takes its own.
         """
         in_file = self.engine is None and self.dead_band is None
         in_file &= not case.autopilot_design.unspecified
-        law = self.law or (AUTOPILOT if in_file or flies.has_gains(source) else None)
+        law = self.law or (AUTOPILOT if in_file or law_options.has_gains(source) else None)
         engine, suffix, _ = (self.engine or "").partition(_VARYING)
         if not engine:
             rigid = isinstance(case.vehicle, Vehicle) and case.vehicle.structure is None
             engine = "planar" if rigid and law != AUTOPILOT else LINEAR
         law = law or (AUTOPILOT if engine == LINEAR else REPORT)
         if law != AUTOPILOT:
-            flies.only_with_autopilot(source)
+            law_options.only_with_autopilot(source)
         if engine != LINEAR:
-            flies.timing.only_with("--engine linear")
+            law_options.timing.only_with("--engine linear")
             model.only_with("--engine linear", "model")
         questions = ["fly"]
         if law != AUTOPILOT:
@@ -146,9 +146,9 @@ def fly(
     vehicle: Source = "configuration-i",
     time: At = None,
     winds: FlightOptions = GROUP,
-    what: WhatFlies = GROUP,
+    choice: EngineOptions = GROUP,
     limit: Options = replace(LIMIT, shown={"limit": "1.1 times the boundary of the law"}),
-    flies: FlownLaw = GROUP,
+    law_options: FlownLaw = GROUP,
     motion: Options = MOTION,
     more: More = False,
     shown: ShownCurves = GROUP,
@@ -177,25 +177,25 @@ def fly(
 
     Exit code 0: SURVIVED, or SUFFICIENT for the autopilot; 1: not so, or NOT KNOWN; 2: bad input.
     """
-    changes = [options.over for options in (limit, motion, flies)]
-    if what.law != ALL and time is None and is_flight(vehicle):
+    changes = [options.over for options in (limit, motion, law_options)]
+    if choice.law != ALL and time is None and is_flight(vehicle):
         from tvclin.cli.whole_flight import fly_flight
 
-        what.check_along_flight()
+        choice.check_along_flight()
         fly_flight(vehicle, winds, changes, more, shown)
         return
     single = winds.at_one_time(vehicle)
-    if what.law == ALL:
-        only_with(_SINGLE_LAW, **vars(what) | {"law": None}, csv=shown.csv)
+    if choice.law == ALL:
+        only_with(_SINGLE_LAW, **vars(choice) | {"law": None}, csv=shown.csv)
         limit.only_with(_SINGLE_LAW)
-        fly_laws(vehicle, time, motion, single, flies, more, shown)
+        fly_laws(vehicle, time, motion, single, law_options, more, shown)
         return
     condition, faults = None, Faults()
     case = case_of(vehicle, *changes, time=time)
     note_single_time(vehicle, time)
     with faults.kept():
         case = single.over(case, vehicle)
-    engine, varying, *law_and_dead_band = what.on(vehicle, case, flies, motion)
+    engine, varying, *law_and_dead_band = choice.resolved(vehicle, case, law_options, motion)
     name, cases = single.name(case), {"": case}
     with faults.kept():
         cases = winds_in_flight(case) if varying else cases
@@ -227,6 +227,7 @@ def _flown(
             for direction, flying in flights.items()
         }
         return worst_of({k: fly_nonlinear(x, more, length, _POINTS) for k, x in cases.items()})
+    # the linear engine flies in one wind, with parameters frozen
     times = float(wind.onset) + np.linspace(0.0, length, _POINTS)
     fly_case = fly_autopilot if flying.law == AUTOPILOT else fly_linear
     return fly_case(LinearCase(**vars(flying)), more, times)
@@ -237,15 +238,15 @@ def fly_laws(
     time: float | None,
     motion: Options,
     winds: WindOptions,
-    flies: FlownLaw,
+    law_options: FlownLaw,
     more: bool,
     shown: ShownCurves,
 ) -> None:
     """Fly laws in the standard winds, or in that of the options, and print their limits.
 
     `vehicle`: name of a vehicle or of a file. `time`: flight time [s] of a schedule. `motion`,
-    `winds`, `flies`: options of model and plane, of the wind, and of gains and hardware. `more`:
-    whether all tables and notes are printed.
+    `winds`, `law_options`: options of model and plane, of the wind, and of samples, delay and
+    gains. `more`: whether all tables and notes are printed.
     """
     from tvclin import plots
 
@@ -255,13 +256,13 @@ def fly_laws(
         vehicle,
         motion.over,
         _without_actuator,
-        partial(_with_gains, flies),
+        partial(_with_gains, law_options),
         wind=winds.over,
         questions=("fly --law all",),
         time=time,
     )
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
-    if case.laws is not None and "sample_rate" not in flies.timing.values:
+    if case.laws is not None and "sample_rate" not in law_options.timing.values:
         hardware["sample_rate"] = case.laws.sample_rate
         note_omissions(case, "laws with a rate in [laws]")
     peak, duration, histories = _winds(winds, case)
@@ -370,14 +371,14 @@ def _without_actuator(plan: StudyPlan) -> StudyPlan:
     return replace(plan, nozzle=replace(plan.nozzle, actuator=None), design=design)
 
 
-def _with_gains(flies: FlownLaw, plan: StudyPlan) -> StudyPlan:
-    """Return a plan with the options `flies` of gains and hardware.
+def _with_gains(law_options: FlownLaw, plan: StudyPlan) -> StudyPlan:
+    """Return a plan with the samples, delay and gains of `law_options`.
 
     `InputError` for gains where no law of the file has them.
     """
     if plan.laws is not None and AUTOPILOT not in plan.laws.names:
-        flies.gains.only_with("the law autopilot in the table [laws]")
-    return flies.over(plan)
+        law_options.gains.only_with("the law autopilot in the table [laws]")
+    return law_options.over(plan)
 
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:

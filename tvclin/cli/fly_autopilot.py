@@ -200,7 +200,7 @@ def _flight_notes(
     `boundaries`: of the flexible and of the rigid vehicle, or of the rigid one alone; empty where
     they were not sought.
     """
-    if "rings" in flight.status:
+    if "rings" in flight.status:  # the status of a limit cycle
         yield RINGS_MEANS
     names = ("flexible", "rigid") if case.is_flexible else ("rigid",)
     for name, boundary in zip(names, boundaries, strict=False):

@@ -472,7 +472,7 @@ def _figure(
     durations of winds with a frozen vehicle. `along`: durations along the flight. `engine`: name of
     the engine of flights, None for the usual one.
     """
-    flies = chosen_engine(engine)
+    engine = chosen_engine(engine)
     errors.instance("vehicle", name, str, "what load_vehicle finds it by")
     fractions = _fractions(dead_bands)
     trajectory = np.atleast_1d(errors.positive("along", along))
@@ -484,7 +484,7 @@ def _figure(
     columns = [
         column
         for letter, K in zip("abcdefghij", fractions, strict=False)
-        for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, flies)
+        for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, engine)
     ]
     c = Coefficients.from_vehicle(vehicle)
     what = f"triangular wind of 1 deg, y_BR; {drift_words(c)}; flown within 0.0015"
@@ -493,7 +493,7 @@ def _figure(
         title=f"Figure {number}. Stability boundary, theoretical and flown\n{vehicle.name or name};"
         " winds of 1 deg, parameters frozen unless flown along the trajectory",
         ordinate=ORDINATE,
-        styles=_styles(flies),
+        styles=_styles(engine),
         limits=dict.fromkeys(curves.panels, (0.0, 1.02)),
     )
     plot = draw(curves, look)

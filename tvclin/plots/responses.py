@@ -432,15 +432,16 @@ def _with_drift(
     dead_band = _fraction(dead_band)
     loaded = vehicle if isinstance(vehicle, Vehicle) else load_vehicle(vehicle)
     errors.single("vehicle", loaded.batch)
-    flies = chosen_engine(engine)
+    engine = chosen_engine(engine)
     plant = Plant.from_vehicle(loaded, "drift")
     exact = "exact" if np.any(loaded.pitch_damping) else "eq (B9)"
+    words = ENGINES[engine].words
     title = (
         f"Figure {number}. Attitude error with drift, K = {dead_band:g}: {exact}, and flown with"
-        f" {ENGINES[flies].words}\n{loaded.name or 'one vehicle'}; flights in a tail wind of 1 deg,"
+        f" {words}\n{loaded.name or 'one vehicle'}; flights in a tail wind of 1 deg,"
         " parameters frozen, same deflection limits"
     )
-    options = {"flights": flown_attitudes(loaded, flies), **options}
+    options = {"flights": flown_attitudes(loaded, engine), **options}
     return attitude_chart(plant, dead_band, name=f"figure-{number}", title=title, **options)
 
 

@@ -181,10 +181,7 @@ def _words(sections: str) -> str:
 
 
 def _plane_vectors(study: Study) -> "ControlPlot | None":
-    """Return the figure of a study's deflections in both planes.
-
-    None where a complex pair of poles gives no vector.
-    """
+    """Return the figure of a study's deflections in both planes; None with complex poles."""
     try:
         return plots.study_planes_chart(study)
     except InputError:
