@@ -1,5 +1,6 @@
 """Machine code on disk: nothing runs but what was written, and no answer waits for a disk."""
 
+import pickle
 from contextlib import contextmanager
 
 import numpy as np
@@ -72,6 +73,18 @@ def test_what_is_cached_is_one_file_for_each_signature(folder):
     second = as_another_process()
     assert (first(VALUES, 0.3), first(VALUES, 1)) == (second(VALUES, 0.3), second(VALUES, 1))
     assert not compiled_anew(second)
+
+
+def test_of_the_bitcode_only_the_names_of_functions_are_written(folder):
+    """Their bodies, and environments of called functions, serve to compile further ones alone."""
+    kernel = as_another_process()
+    kernel(VALUES, 0.3)
+    digest = 32
+    (_, _, (_, bitcode)), *_, environments = pickle.loads(kept(folder).read_bytes()[digest:])
+    functions = list(pytest.importorskip("llvmlite.binding").parse_bitcode(bitcode).functions)
+    assert any("total" in function.name for function in functions)
+    assert all(sum(1 for block in f.blocks for _ in block.instructions) == 1 for f in functions)
+    assert environments == ()
 
 
 @contextmanager
