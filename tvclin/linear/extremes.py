@@ -165,9 +165,9 @@ def release_time(plant: Plant, wind: History, times: FloatArray, attitude: Float
 def _wind_sign(plant: Plant, wind: History) -> float:
     """Return the sign, 1 or -1, of the attitude to which a wind turns a vehicle.
 
-    `plant`: one plant. `wind`: its wind [rad]. The sign is that of the peak times the moment of a
+    `plant`: one plant. `wind`: its wind [rad]. It is the sign of the peak times the moment of a
     positive wind, -mu_alpha, or, in a plant without coefficients, times the numerator of the
-    attitude from the wind at the fastest unstable pole.
+    attitude from the wind at the fastest pole.
     """
     if plant.coefficients_known:
         effect = -plant.coefficients.mu_alpha

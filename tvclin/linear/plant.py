@@ -207,7 +207,7 @@ class Plant(WithCoefficients):
 
     @property
     def has_modes(self) -> bool:
-        """False: there are no lightly damped modes, whose limit cycle a flight would show."""
+        """False: a rigid plant has no lightly damped modes."""
         return False
 
     @property
@@ -311,7 +311,7 @@ class Plant(WithCoefficients):
 
     @property
     def direct_terms(self) -> FloatArray | None:
-        """None: `modal` has all of the outputs; a `SystemPlant` adds D times its inputs to it."""
+        """None: `modal` has the outputs completely; a `SystemPlant` adds D times its inputs."""
         return None
 
     @cached_property
@@ -420,9 +420,9 @@ class Plant(WithCoefficients):
     def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
         """Return the numerator from `input` to a lateral signal, highest power of s first.
 
-        Shape ``(..., k)``. `signal`, `station`: as in `lateral_rows`, with its exceptions:
-        "drift_rate" [m/s] or "acceleration" [m/s^2], and the position of the accelerometer [m].
-        `input`: "deflection" or "wind".
+        Shape ``(..., k)``. `signal`: "drift_rate" [m/s] or "acceleration" [m/s^2]. `input`:
+        "deflection" or "wind". `station`: position x of the accelerometer ahead of the centre of
+        gravity [m]. `InputError` for a signal that the model or the coefficients do not have.
         """
         station = number("station", station, STATION_RANGE, "m")
         one_of("input", input, INPUTS)
@@ -438,10 +438,10 @@ class Plant(WithCoefficients):
         return polynomials.add(forces, station * rotation)
 
     def _velocity(self, signal: str) -> FloatArray:
-        """Return the speed [m/s], ``(..., 1)``; `InputError` where a lateral signal is unknown.
+        """Return the speed V of the vehicle [m/s], ``(..., 1)``, on which a lateral signal depends.
 
-        `signal`: "drift_rate" or "acceleration"; drift rates require a model with a flight path
-        angle.
+        `signal`: "drift_rate" or "acceleration". `InputError` for coefficients without a speed, and
+        for a drift rate in a model without flight path angle.
         """
         one_of("signal", signal, LATERAL_SIGNALS)
         if signal == "drift_rate" and self.model == "fixed-path":
@@ -569,7 +569,7 @@ class Plant(WithCoefficients):
     def _path(self) -> _PathCoefficients:
         """Coefficients a, h, d, w [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w.
 
-        They follow from those of eq (B7), in "drift" of eq (B8). `InputError` for mu_alpha = 0.
+        They follow from eq (B7), in the model "drift" from eq (B8). `InputError` for mu_alpha = 0.
         """
         c = self.coefficients
         if self.model == "drift":

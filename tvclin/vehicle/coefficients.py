@@ -189,7 +189,7 @@ class Coefficients(Record):
 
     @property
     def beta_squared(self) -> Real:
-        """Coefficient mu_alpha [1/s^2], which is not a square for a stable vehicle."""
+        """Coefficient mu_alpha [1/s^2]: beta^2 of an unstable vehicle, negative of a stable one."""
         return self.mu_alpha
 
     @property
@@ -211,8 +211,8 @@ class Coefficients(Record):
     def pole(self) -> Real:
         """Unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
 
-        It is beta without damping, and smaller with it; the other pole is -(p + damping). Same
-        exceptions as `beta`.
+        It is beta without damping, and smaller with it; the other pole is -(p + damping).
+        `InputError` for an aerodynamically stable vehicle.
         """
         beta, half = np.asarray(self.beta), np.asarray(self.damping) / 2.0
         # the positive root of p^2 + damping p - mu_alpha, without a difference of close numbers
@@ -237,7 +237,7 @@ class Coefficients(Record):
 
         -b2 and -b1 [1/s] are the zeros of the attitude from wind and from deflection, eq (B7).
 
-        Same exceptions as `beta`.
+        `InputError` for an aerodynamically stable vehicle, which has no such pole.
         """
         return (self.pole + self.b2) / (self.pole + self.b1)
 

@@ -43,9 +43,9 @@ def _coefficient(name: str, label: str = "") -> Field:
 
     def value(vehicle: LinearVehicle) -> Any:
         """Return the coefficient `name` of a vehicle; None if it is unknown or a zero damping."""
-        known = vehicle.path_known or name not in _PATH_COEFFICIENTS  # C1, C2, b1, b2 and q
+        has_value = vehicle.path_known or name not in _PATH_COEFFICIENTS  # C1, C2, b1, b2 and q
         number = getattr(vehicle.coefficients, name)
-        return number if known and (number or name != "damping") else None
+        return number if has_value and (number or name != "damping") else None
 
     return Field(name, _NUMBERS[name].kind, of=value, label=label or name)
 
@@ -156,7 +156,7 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
 def coefficients_of(vehicle: AnyVehicle, plane: str = "pitch") -> Coefficients:
     """Return the coefficients of a vehicle in a `plane`, "pitch" or "yaw".
 
-    Those of a `LinearVehicle` belong to one plane, whichever it is, and are returned unchanged.
+    A `LinearVehicle` has coefficients of one plane, whichever it is, which are returned unchanged.
     """
     if isinstance(vehicle, LinearVehicle):
         return vehicle.coefficients

@@ -148,7 +148,7 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> b
 def require_pade(autopilot: Feedback, plants: AnyPlant) -> None:
     """Raise `InputError` where a Pade approximation adds or hides an unstable pole of a loop.
 
-    The loop is that of one autopilot around one plant, or around each of a batch.
+    `autopilot`: one autopilot around one plant, or around each of a batch.
     """
     if pade_misleads(autopilot, plants, closed_loop(autopilot, plants, command=True)):
         raise InputError(PADE_WARNING.format(autopilot.pade_order))
@@ -286,7 +286,8 @@ class Autopilot(Feedback):
         Warns
         -----
         UserWarning
-            In the same cases as `loop`, not for an unstable closed loop: see its poles.
+            For gains that are zero or positive feedback, and an actuator slower than the fastest
+            unstable pole; not for an unstable closed loop: see its poles.
         """
         return self._closed("close", plant).to_control(f"{plant.model} with autopilot")
 
@@ -343,7 +344,8 @@ class Autopilot(Feedback):
         Warns
         -----
         UserWarning
-            In the same cases as `loop`; and for a mode above half the sample rate.
+            For gains that are zero or positive feedback, an actuator slower than the fastest
+            unstable pole, and a mode above half the sample rate.
 
         Examples
         --------

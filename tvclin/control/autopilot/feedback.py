@@ -147,7 +147,7 @@ class Feedback(Record):
     def gains_text(self) -> str:
         """Text on the gains of one autopilot by their symbols, as "a0 = 0.2, a1 = 0.2 s".
 
-        Gains of zero are omitted, but those of attitude and rate.
+        Gains of zero are omitted, but not on attitude and rate.
         """
         gains = [(name, getattr(self, name), si_unit(kind)) for name, kind in GAINS.items()]
         return ", ".join(
@@ -159,7 +159,7 @@ class Feedback(Record):
     def rows(self) -> list[Row]:
         """Return the parameters of one autopilot as rows of a table: label, and value with unit.
 
-        Gains of zero are omitted, but those of attitude and rate; filters have their own table.
+        Gains of zero are omitted, but not on attitude and rate; filters have their own table.
         """
         rows: list[Row] = []
         for name, kind in GAINS.items():

@@ -56,7 +56,7 @@ def gain_columns(
 ) -> Columns:
     """Return the columns of a CSV table of gains over a variable of the flight.
 
-    Gains of zero are omitted, but those of attitude and rate. `variable`: name of the variable.
+    Gains of zero are omitted, but not on attitude and rate. `variable`: name of the variable.
     `breakpoints`: its values ``(n,)`` in SI units. `gains`: gains by name, ``(n,)`` or constant.
     """
     columns = [

@@ -346,7 +346,8 @@ def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArra
     integrators = int(sensors.drift or np.any(np.asarray(autopilot.integral_gain)))
     # (a1 s + a0 + aI/s) theta + b0 alpha, over s with an integrator
     gains = [autopilot.rate_gain, autopilot.attitude_gain, autopilot.integral_gain]
-    on_angle = np.asarray(autopilot.alpha_gain)[..., np.newaxis] * np.eye(1, 1 + integrators)[0]
+    alpha_gain = np.asarray(autopilot.alpha_gain)[..., np.newaxis]
+    on_angle = polynomials.times_variable(alpha_gain, integrators)  # b0, or b0 s
     angle = polynomials.multiply(on_angle, plant.numerator("angle_of_attack", source))
     on_attitude = np.stack(np.broadcast_arrays(*gains[: 2 + integrators]), axis=-1)
     # filters F = N/D of the sensed attitude and of the sensed rate
@@ -354,8 +355,9 @@ def _feedback(autopilot: Feedback, plant: Plant, source: str) -> tuple[FloatArra
     N_rate, D_rate = _chain(autopilot, "rate_filters")
     sensor_denominator = polynomials.multiply(D_attitude, D_rate)
     if autopilot.attitude_filters or autopilot.rate_filters:
-        # (a1 s F_rate + (a0 + aI/s) F_attitude) theta + b0 alpha, over both denominators
-        rate = polynomials.multiply(on_attitude[..., :1], np.eye(1, 2 + integrators)[0])
+        # (a1 s F_rate + (a0 + aI/s) F_attitude) theta + b0 alpha, over both denominators; the
+        # first coefficient is a1, with s, or s^2 with an integrator
+        rate = polynomials.times_variable(on_attitude[..., :1], 1 + integrators)
         rate = polynomials.multiply(polynomials.multiply(rate, N_rate), D_attitude)
         attitude = polynomials.multiply(on_attitude[..., 1:], N_attitude)
         on_attitude = polynomials.add(rate, polynomials.multiply(attitude, D_rate))

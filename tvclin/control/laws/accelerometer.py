@@ -82,8 +82,8 @@ class AccelerometerLaw(LinearLaw):
                 " for, and none on the integral; see half_relief_gains"
             )
         # n_alpha must exceed -b0 n_delta, what the law's own deflection b0 alpha adds.
-        alpha, deflection, _ = self.sensitivities
-        if alpha <= 0.0 or alpha + float(self.autopilot.alpha_gain) * deflection <= 0.0:
+        n_alpha, n_delta, _ = self.sensitivities
+        if n_alpha <= 0.0 or n_alpha + float(self.autopilot.alpha_gain) * n_delta <= 0.0:
             raise InputError(
                 f"station {self.station:g} m is no place for the accelerometer: it would feel less"
                 " of the wind than of the deflection that it asks for"
@@ -109,9 +109,9 @@ class AccelerometerLaw(LinearLaw):
         g = b0/(n_alpha + b0 n_delta), as g (n_alpha alpha + n_delta delta) = b0 alpha at delta =
         b0 alpha, with the sensitivities n of the acceleration to angle of attack and deflection.
         """
-        alpha, deflection, _ = self.sensitivities
+        n_alpha, n_delta, _ = self.sensitivities
         b0 = float(self.autopilot.alpha_gain)
-        return b0 / (alpha + b0 * deflection)
+        return b0 / (n_alpha + b0 * n_delta)
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
@@ -120,8 +120,8 @@ class AccelerometerLaw(LinearLaw):
         s is the state of the sensor's lag, and m are attitude, its rate, flight path angle, angle
         of attack and deflection.
         """
-        alpha, deflection, rate = self.sensitivities
-        row = np.array([[0.0, rate, 0.0, alpha, deflection]])
+        n_alpha, n_delta, n_rate = self.sensitivities
+        row = np.array([[0.0, n_rate, 0.0, n_alpha, n_delta]])
         return np.array([[-self.bandwidth]]), self.bandwidth * row
 
     @property
@@ -137,10 +137,10 @@ class AccelerometerLaw(LinearLaw):
         acceleration measures too is taken out by the factor 1 - g n_delta, with the gain g and the
         sensitivity n_delta of the acceleration, and the attitude rate likewise.
         """
-        _, deflection, rate = self.sensitivities
-        factor = 1.0 - self.gain * deflection
+        _, n_delta, n_rate = self.sensitivities
+        factor = 1.0 - self.gain * n_delta
         return LawNumbers(
             attitude=float(self.autopilot.attitude_gain) * factor,
-            attitude_rate=float(self.autopilot.rate_gain) * factor - self.gain * rate,
+            attitude_rate=float(self.autopilot.rate_gain) * factor - self.gain * n_rate,
             first_state=self.gain,
         )

@@ -89,8 +89,8 @@ class SystemLaw(_AutopilotLaw):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(k, k)`` and G ``(k, 8)`` of s' = F s + G m of a continuous controller.
 
-        s are its k states and m the eight measurements of a flight, as in `Measurement`.
-        `InputError` for a controller with a sample time.
+        s are its k states and m the eight measurements of a flight. `InputError` for a controller
+        with a sample time.
         """
         system = self.autopilot.system
         if system.period is not None:

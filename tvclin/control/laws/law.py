@@ -158,8 +158,8 @@ def measured_coordinates(plant: Plant) -> UnstableCoordinates:
 
     Attitude, its rate and the flight path angle are the first states of every plant; the left
     eigenvectors, whose product with the states is the coordinate, are ``(N, 2)`` or ``(N, 3)``.
-    `InputError` in the same cases as `unstable_coordinates`, and for a plant whose unstable modes
-    include its speed, its fourth state.
+    `InputError` for a plant without a real unstable pole, and one whose unstable modes include its
+    speed, the fourth state.
     """
     modes = unstable_coordinates(plant)
     if np.any(modes.left_eigenvectors[:, _MEASURED_STATES:]):
@@ -362,13 +362,13 @@ class LawInPlanes:
     def _by_components(
         self, measured: Vectors, states: Vectors, limits: list[FloatArray]
     ) -> Vectors:
-        """Return the law's demand on the real components + j its demand on the imaginary, ``(m,)``.
+        """Return the deflections [rad] of the scalar law in two directions, real + j imaginary.
 
-        `measured` ``(m, 8)`` and `states` ``(m, k)`` are complex; `limits`: deflection limits [rad]
-        of the real and the imaginary component, ``(m,)`` each.
+        ``(m,)``. `measured` ``(m, 8)`` and `states` ``(m, k)``: complex, of both directions.
+        `limits`: deflection limits [rad] of the real and of the imaginary direction, ``(m,)`` each.
         """
         real, imaginary = (
-            np.asarray(self.law.demand(Measurement(*part(measured).T), part(states).T, limit))
-            for part, limit in zip((np.real, np.imag), limits, strict=True)
+            np.asarray(self.law.demand(Measurement(*take(measured).T), take(states).T, limit))
+            for take, limit in zip((np.real, np.imag), limits, strict=True)
         )
         return np.asarray(real + 1j * imaginary)

@@ -342,8 +342,8 @@ def band_margins(
     """Return the margins by band of a loop in matrix form, or a batch of loops ``(...)``.
 
     `names`: names of the modes. `poles`: pole of each mode in the plant with positive imaginary
-    part [1/s], ``(..., n)``; they are poles of the loop. `delays`: same as in `Loop.analysis`.
-    `InputError` for a loop of polynomials.
+    part [1/s], ``(..., n)``; they are poles of the loop. `delays`: whether the delay margins of a
+    sampled loop are computed, most of its work. `InputError` for a loop of polynomials.
     """
     instance("loop", loop, Loop, "see Autopilot.exact_loop")
     if not isinstance(loop.form, StateLoop):

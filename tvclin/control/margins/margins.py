@@ -212,7 +212,7 @@ float or ndarray
 
     @property
     def disk_phase_deg(self) -> Any:
-        """Phase change in degrees, lag or lead, within the disk: 2 arctan(alpha/2)."""
+        """Phase change in degrees, lag or lead, within the disk margin alpha: 2 arctan(alpha/2)."""
         return plain(np.degrees(2.0 * np.arctan(self.disk_margin / 2.0)))
 
     @property

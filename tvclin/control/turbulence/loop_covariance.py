@@ -171,13 +171,13 @@ class LoopCovariance(GaussianOutputs):
     @property
     @derived("angular rate")
     def deflection_rate_rms(self) -> float | None:
-        """Standard deviation of the deflection rate [rad/s]; None where it has none."""
+        """Standard deviation of the deflection rate [rad/s]; None for a deflection that jumps."""
         return self.rms(DEFLECTION_RATE) if DEFLECTION_RATE in self.outputs else None
 
     @property
     @derived("angular rate")
     def travel_rate(self) -> float | None:
-        """Expected travel of the nozzle in each second [rad/s]; None where it has none."""
+        """Expected travel of the nozzle in each second [rad/s]; None for one that jumps."""
         return self.mean_absolute_rate() if DEFLECTION_RATE in self.outputs else None
 
     @property
@@ -199,8 +199,7 @@ class LoopCovariance(GaussianOutputs):
     def quantile(self, probability: float, output: str = DEFLECTION) -> float:
         """Return the quantile of the size of an output, ``|output|``, at a probability.
 
-        `InputError` for an unknown output and a probability that is not above 0 and below
-        1.
+        `InputError` for an unknown output and a probability that is not above 0 and below 1.
         """
         from scipy.special import ndtri  # late: scipy takes long to import
 
