@@ -738,6 +738,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "needed_rate": 0.05,
                 "end": "the first of the schedule: more may be needed before",
                 "listed": (65.0, 70.0),
+                "counted": "K = 1",
             },
         ),
         "Dispersion": Door(

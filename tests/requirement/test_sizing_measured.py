@@ -272,3 +272,20 @@ def test_a_gap_between_levels_leaves_a_sufficient_limit_unknown(flight, levels) 
         verdicts.append(request.total(case, request.sizing(case)).sufficient)
     has_gaps = levels[1] > 2e3
     assert verdicts == [None if has_gaps else True, False]
+
+
+def test_a_requirement_that_a_wind_before_the_gust_sets_is_noted(flight) -> None:
+    """At late flight times the gust on a sounding does not count, and its rows are the same."""
+    height = np.arange(0.0, 49e3, 1e3)
+    jet = tv.WindProfile(
+        height=height, east=np.interp(height, [0, 9e3, 2e4], [0, 40, 5]), north=0 * height
+    )
+    gust = tv.OneMinusCosineGust(peak=0.02, duration=3.0)
+    late = [90.0, 95.0, 100.0, 105.0]
+    wind = tv.fly_through(jet, flight, azimuth=EAST, gust=gust)
+    sizing = tv.size(flight, {"jet": wind}, times=[50.0, *late], dead_bands=1.0)
+    assert np.ptp(sizing.required["K = 1, varying"][1:, 0]) < 1e-6
+    (note,) = [note for note in sizing.notes if "is the same from" in note]
+    assert note.startswith("jet: K = 1, varying is the same from 90 to 105 s")
+    changing = tv.size(flight, {"jet": wind}, times=[45.0, 50.0, 55.0], dead_bands=1.0)
+    assert not any("is the same from" in note for note in changing.notes)

@@ -1,5 +1,7 @@
 """All that the nozzle must turn: sums, squares, offsets by their moments, and the verdict."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from tests.small_launcher import rows, sounding, write
 from tests.turns import usual
 from tvclin import InputError
 from tvclin.base.lines import text
-from tvclin.requirement.flight.total import DeflectionTotal, Line
+from tvclin.requirement.flight.total import DeflectionTotal, Line, total_table
 
 SCHEDULE = tv.load_schedule("configuration-i")
 
@@ -205,3 +207,15 @@ def test_a_wind_beyond_linear_aerodynamics_has_no_trim_in_the_controllability_ra
     assert "where the winds are known" in ratio.words
     B = abs(tv.Coefficients.from_vehicle(SCHEDULE.at(50.0)).B)
     assert ratio.ratio == pytest.approx(np.radians(5.0) / (B * np.radians(12.0)), rel=5e-3)
+
+
+def test_the_row_of_the_wind_names_the_requirement_that_the_total_counts() -> None:
+    plan = tv.studyfile.load_sizing("configuration-i")
+    request = replace(plan.sizing, start=60.0, stop=70.0)
+    sizing = request.sizing(plan)
+    total = request.total(plan, sizing)
+    assert total.counted == request.counted(sizing, plan.sign).label == "K = 1, varying, head wind"
+    (row,) = [row for row in total_table(total).rows if row[0][0].startswith("wind")]
+    assert row[0] == (f"wind, {total.counted}",)
+    frozen = total_table(tv.worst_total(sizing, "K = 0.5"))
+    assert any(row[0] == ("wind, K = 0.5",) for row in frozen.rows)

@@ -5,7 +5,9 @@ import pytest
 
 import tvclin as tv
 from tests.turns import usual
+from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.boundary.closed_forms import triangular_limit
+from tvclin.flights.flown_boundary import flown_boundary
 
 
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact", "drift-and-speed"])
@@ -184,3 +186,28 @@ def test_a_study_tells_where_leaving_damping_out_promises_too_much(
 def test_a_stable_vehicle_is_told_nothing_of_damping(configuration_i) -> None:
     stable = configuration_i.replace(aerodynamic_arm=-1.0)
     assert "damping" not in _notes(stable, 20.0, 0.5, "fixed-path")
+
+
+@pytest.mark.parametrize(
+    ("name", "peak", "duration"),
+    [("configuration-i", 5.0, 7.5), ("configuration-ii", 7.0, 15.0)],
+)
+@pytest.mark.thorough
+def test_a_head_wind_that_nonlinear_flights_survive_with_more_alone_is_noted(name, peak, duration):
+    """They encounter the dynamic pressure of the path that the wind turns."""
+    vehicle, condition = tv.load_vehicle(name), load_flight_condition(name)
+    study = tv.Study.from_vehicle(vehicle, duration=duration, peak=np.radians(peak))
+    wind = tv.TriangularWind(peak=-np.radians(peak), duration=duration)
+    flown = flown_boundary(
+        vehicle,
+        wind.shift(float(vehicle.time) - duration / 2.0),
+        engine="planar",
+        frozen=False,
+        condition=condition,
+        dead_band=1.0,
+        tolerance=1e-3,
+    )
+    excess = abs(float(flown.deflection)) / study.required_deflection - 1.0
+    noted = any("whose path turns" in note for note in study.notes)
+    assert noted == (excess > 0.01)
+    assert excess < 0.04

@@ -306,7 +306,7 @@ class _Answer:
         if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:
             print_tables(*tables.wind_columns_table(sizing, counted))
         say(f"{tables.legend(sizing)}\n")
-        print_tables(total_table(self.total, counted.label), *in_turbulence)
+        print_tables(total_table(self.total), *in_turbulence)
         if ratio is not None:
             print_tables(ratio.table)
             say_lines([ratio.verdict])

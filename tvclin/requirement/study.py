@@ -49,6 +49,9 @@ from tvclin.winds.wind_angles import (
 _MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
 """Wind angle [rad] above which the change of dynamic pressure exceeds the error of the boundary."""
 
+_MAX_STRAIGHT_PATH_RAD2_S = 300.0 * radians(1.0) ** 2
+"""Squared wind angle times duration [rad^2 s], about 5 deg for 12 s, above which nonlinear flights
+may require a percent more in a head wind."""
 _POLE_REDUCTION = 0.04
 """Relative reduction of the pole of a booster by the damping of air and jet, about."""
 _MAX_DURATION_TIME_CONSTANTS = 2.5
@@ -80,8 +83,17 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
     """Yield notes: a sign is not counted in a cross wind; the dynamic pressure is the nominal one.
 
     `need`: requirement of the wind of the study. The second is for a wind in the pitch plane so
-    large that its change of the pressure counts, where that was not, or could not be, computed.
+    large that its change of the pressure counts, where that was not, or could not be, computed. A
+    third is for a head wind that turns the path away from the nominal one, on which the pressure
+    encountered rests.
     """
+    wind = need.history
+    turned = float(wind.peak) ** 2 * float(wind.end - wind.onset)
+    if need.direction == "head" and turned > _MAX_STRAIGHT_PATH_RAD2_S:
+        yield (
+            "in a head wind of this size and duration nonlinear flights, whose path turns, require"
+            " more, 1 to 4 percent of the report's vehicles (tvclin fly --engine planar-varying)"
+        )
     if need.sign in SIGNS and need.direction == CROSS:
         yield uncounted_sign(need.sign)
     if need.plane != "pitch" or abs(float(need.history.peak)) <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:

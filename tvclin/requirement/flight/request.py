@@ -537,7 +537,6 @@ class SizingRequest:
                 "the sizing must be of the winds of this request, as sizing() returns it; got"
                 f" {', '.join(sizing.winds)}"
             )
-        counted = self.counted(sizing, case.sign)
         options: dict[str, Any] = {
             "dispersion": self.dispersion,
             "thrust_offset": self.thrust_offset,
@@ -550,11 +549,13 @@ class SizingRequest:
 
         def totals_of(refined: Sizing) -> dict[float, float]:
             """Return the totals [rad] of a sizing by its flight times [s]."""
+            counted = self.counted(refined, case.sign)  # in the worse direction at these times
             totals = totals_over_flight(refined, counted, **options)
             return {
                 x.time: x.total for x in totals if x.time is not None and x.time in refined.times
             }
 
+        counted = self.counted(sizing, case.sign)
         # further flight times have only what enters the total, to save time
         request = replace(
             self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -368,6 +368,12 @@ def _interval(times: FloatArray) -> str:
     return f"from {first} to {last} s" if times.size > 1 else f"at {last} s"
 
 
+_MIN_REPEATED = 3
+"""Smallest number of flight times in a row with the same requirement that has a note."""
+_REPEATED_TOLERANCE = 1e-6
+"""Relative difference of requirements below which they are the same."""
+
+
 def notes_of(sizing: Sizing) -> tuple[str, ...]:
     """Return notes on a sizing, each one sentence; often none."""
     return (
@@ -377,7 +383,31 @@ def notes_of(sizing: Sizing) -> tuple[str, ...]:
         *_change_notes(sizing),
         *_uncovered_notes(sizing),
         *_end_notes(sizing),
+        *_repeated_notes(sizing),
     )
+
+
+def _repeated_notes(sizing: Sizing) -> Iterator[str]:
+    """Yield a note on each wind that requires the same at three or more flight times in a row.
+
+    That is a sounding with a gust or a window: what sets the requirement is then no part of the
+    wind about these flight times. The requirement is that of the largest dead band, varying.
+    """
+    band = Requirement(dead_band=sizing.dead_bands[0], varying=True)
+    if band not in sizing.required or sizing.times.size < _MIN_REPEATED:
+        return
+    arises = sizing.arising(band)
+    for wind, values, arising in zip(sizing.winds, sizing.required[band].T, arises, strict=True):
+        # index of the run of equal values to which each flight time belongs
+        runs = np.cumsum(np.append(0, np.abs(np.diff(values)) > _REPEATED_TOLERANCE * values[:-1]))
+        longest = np.flatnonzero(runs == np.argmax(np.bincount(runs)))
+        known = np.isnan(arising) and np.all(values[longest] > 0.0)
+        if known and longest.size >= _MIN_REPEATED:
+            first, last = sizing.times[longest[[0, -1]]].tolist()
+            yield (
+                f"{wind}: {band} is the same from {first:.6g} to {last:.6g} s, set by wind that"
+                " blows away from these flight times"
+            )
 
 
 def unknown_wind_notes(sizing: Sizing, reasons: list[list[str]]) -> list[str]:

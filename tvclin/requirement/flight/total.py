@@ -85,6 +85,8 @@ class DeflectionTotal(Shown):
     needed_rate : float
         Required rate [rad/s] of a ramp for the required deflection of the wind, at the limit or
         else at any; NaN where it is not known.
+    counted : str
+        Label of the requirement that is the wind's contribution; empty without one.
     """
 
     lines: tuple[Line, ...] = field(metadata=spec(card=False))
@@ -98,6 +100,7 @@ class DeflectionTotal(Shown):
     needed_rate: float = field(default=0.0, metadata=spec("angular rate", card=False))
     end: str = text("", card=False, document=False)
     listed: tuple[float, ...] = field(default=(), metadata=spec("time", card=False))
+    counted: str = text("", card=False, document=False)
 
     def __post_init__(self) -> None:
         """Check the fields; `InputError` for numbers out of range, and other types."""
@@ -105,7 +108,7 @@ class DeflectionTotal(Shown):
         object.__setattr__(
             self, "not_sized", errors.each("not_sized", self.not_sized, str, "a place")
         )
-        checked(self, "reserve", "limit", "time", "rate_limit", "end")
+        checked(self, "reserve", "limit", "time", "rate_limit", "end", "counted")
         if self.reserve >= 1.0:
             raise errors.InputError(
                 f"reserve must be a part of the limit, below 1; got {self.reserve:.6g}"
@@ -228,9 +231,9 @@ class DeflectionTotal(Shown):
         return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
 
 
-def total_table(total: DeflectionTotal, counted: str = "") -> Table:
-    """Return the contributions and the total as a table; `counted` names the wind's requirement."""
-    wind = f"wind, {counted}" if counted else "wind"
+def total_table(total: DeflectionTotal) -> Table:
+    """Return the contributions and the total as a table."""
+    wind = f"wind, {total.counted}" if total.counted else "wind"
     rows = rows_of(total, "total", wind)
     rows.append((("total",), (SUMS,), degrees("total.total", total.total)))
     if total.reserve:
@@ -421,7 +424,8 @@ def worst_total(
     # an end of the flight is named only where the totals of all other times are smaller
     others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
     end = flight_end(sizing, worst.time) if worst.total > (1.0 + SAME) * others else ""
-    return replace(worst, not_sized=not_sized, needed_rate=needed, end=end)
+    counted = requirement_among("name", name, sizing.required).label
+    return replace(worst, not_sized=not_sized, needed_rate=needed, end=end, counted=counted)
 
 
 def totals_over_flight(
