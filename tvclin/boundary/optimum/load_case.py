@@ -220,12 +220,13 @@ class LoadWeights:
     prices: ComplexArray
 
     def proof(self, reference: FloatArray, rate_prices: FloatArray | None) -> tuple[float, float]:
-        """Return INT h delta_0 dt + rate INT |K| dt, and INT |h - K'| dt, of the lower bound.
+        """Return the numbers A and N of the lower bound (weighted load - A)/N of the peak.
 
-        The peak is at least the weighted load minus the first, over the second. h [1/s] is the
-        density with which a deflection counts in the weighted load, and K the multiplier of the
-        rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``. `rate_prices`: prices of the
-        rate limit in the cells, ``(n,)``, or None: K' = h where a price is not zero.
+        A = INT h delta_0 dt + rate INT |K| dt [rad] and N = INT |h - K'| dt, h [1/s] being the
+        weight of a deflection at a time in the weighted load, delta_0 the reference deflection, and
+        K the multiplier of the rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``.
+        `rate_prices`: prices of the rate limit in the cells, ``(n,)``, or None: K' = h where a
+        price is not zero.
         """
         n = self.widths.size
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))  # h at both ends of each cell

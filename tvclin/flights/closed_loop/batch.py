@@ -122,6 +122,7 @@ def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> Fl
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
     moved = ramp.to_steps(parts.T).A  # columns: n states, the deflection, its rate
+    # e^(A h), and the response to a deflection that rises from zero by 1 rad/s
     free, rise = (np.swapaxes(moved[..., :n, k], 0, 1) for k in (slice(n), n + 1))
     start, rise, kick = np.swapaxes(moved[..., :n, n], 0, 1), rise / span, []
     if "deflection_acceleration" in plant.inputs:
