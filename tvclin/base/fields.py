@@ -358,26 +358,26 @@ def quantity(
 
 
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for one of `choices`, with a `default`; `more`: as in `Field`."""
+    """Return a dataclass field for one of `choices`, with a `default`; `more`: of its `Field`."""
     allowed = tuple(choices)
     check = partial(errors.one_of, choices=allowed)
     return _field(Field(kind="text", check=check, choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for a printable text, with a `default`; `more`: as in `Field`."""
+    """Return a dataclass field for a printable text, with a `default`; `more`: of its `Field`."""
     return _field(Field(kind="text", check=errors.text, **more), default)
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
-    """Return a dataclass field for True or False, with a `default`; `more`: as in `Field`."""
+    """Return a dataclass field for True or False, with a `default`; `more`: of its `Field`."""
     return _field(Field(kind="flag", check=errors.flag, **more), default)
 
 
 def count(
     default: Any = MISSING, check: Callable[..., Any] = errors.whole_number, **more: Any
 ) -> Any:
-    """Return a dataclass field for an integer, with `default`, `check`; `more`: as in `Field`."""
+    """Return a dataclass field for an integer, with `default`, `check`; `more`: of its `Field`."""
     return _field(Field(kind="count", check=check, **more), default)
 
 

@@ -136,12 +136,12 @@ def target_of(path: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write `text` to `path` as UTF-8, wholly or not at all, as `write_whole`."""
+    """Write `text` to `path` as UTF-8; an old file stays until the new one is complete."""
     write_whole(path, lambda target: Path(target).write_text(text, encoding="utf-8", newline=""))
 
 
 def write_rows(rows: Iterable[Iterable[Any]], path: str | PathLike[str] | None = None) -> str:
-    """Return rows of cells as CSV, and write it if there is a path, as `write_whole`.
+    """Return rows of cells as CSV, and write it if there is a path, wholly or not at all.
 
     A text that a spreadsheet would take for a formula gets a leading apostrophe.
     """

@@ -221,8 +221,8 @@ def find(
     `progress` is called with results done and in total.
 
     A result that is not defined for this vehicle, such as margins of laws for a stable vehicle,
-    has its reason in place of an answer. `InputError` as `StudyPlan.study`, for gains that exclude
-    or lack each other, and for turbulence of an altitude that is not known.
+    has its reason in place of an answer. `InputError` for a wind or vehicle that allows no study,
+    for gains that exclude or lack each other, and for turbulence of an altitude that is not known.
     """
     if plan.design is not None and plan.design.schedule is None:
         plan.design.check_gains()

@@ -137,9 +137,14 @@ class FlightLoop:
 
     def sweep(self) -> Sweep:
         """Return the margins at the flight times, judged by the criteria of the plan."""
-        options: Any = {"model": self.model, "plane": self.plan.plane}
-        criteria = self.plan.held_to
-        return sweep(self.flight, self.autopilot, self.times, criteria=criteria, **options)
+        return sweep(
+            self.flight,
+            self.autopilot,
+            self.times,
+            criteria=self.plan.held_to,
+            model=self.model,
+            plane=self.plan.plane,
+        )
 
     @property
     def notes(self) -> Iterator[str]:
@@ -310,14 +315,13 @@ class FlightLoop:
                 sign=self.plan.sign,
                 progress=progress,
             )
-        bounds = [  # of the same kind, and known at any time
-            requirement
-            for requirement in (replace(MINIMUM, varying=counted.varying), NO_FORECAST)
-            if requirement.varying == counted.varying
-            and requirement in sizing.required
-            and np.any(np.isfinite(sizing.at_times(requirement)))
-        ]
-        labels = [counted.label, *(bound.label for bound in bounds)]
+        bounds = [replace(MINIMUM, varying=counted.varying)]
+        if not counted.varying:  # without a forecast only a frozen vehicle has a bound
+            bounds.append(NO_FORECAST)
+        labels = [counted.label]
+        for bound in bounds:
+            if bound in sizing.required and np.any(np.isfinite(sizing.at_times(bound))):
+                labels.append(bound.label)
         use = deflection_use(sizing, flown.used, flown.limit, autopilot_required, labels)
         return replace(flown, use=use)
 

@@ -68,9 +68,7 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     ('triangular', None)
     """
     document, name = source_tables(source), read_vehicle_text(source)[1]
-    if not _STUDY_HEADINGS & document.keys() and (
-        _VEHICLE_HEADINGS & document.keys() or is_schedule(source)
-    ):
+    if not _is_study(source):
         if time is None:
             return StudyPlan(vehicle=load_any_vehicle(source))
         from tvclin.ascent.schedule_file import load_schedule, load_vehicle_at
@@ -236,9 +234,9 @@ def _is_study(source: str | PathLike[str]) -> bool:
     """Return whether a source is a study, or at least neither a vehicle nor a schedule."""
     path("source", source, "a name or a path")
     headings = source_tables(source).keys()
-    return bool(_STUDY_HEADINGS & headings) or not (
-        _VEHICLE_HEADINGS & headings or is_schedule(source)
-    )
+    if _STUDY_HEADINGS & headings:
+        return True
+    return not (_VEHICLE_HEADINGS & headings or is_schedule(source))
 
 
 def example() -> str:

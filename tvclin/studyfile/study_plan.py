@@ -199,7 +199,7 @@ class StudyPlan(Case):
         return cls(**case, **options)
 
     def study(self) -> Study:
-        """Return the study; raise `InputError` as `Study.of`."""
+        """Return the study of the plan; `InputError` where its wind or vehicle allows none."""
         return Study.of(self, self.dead_band, self.switch)
 
 

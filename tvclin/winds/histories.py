@@ -463,10 +463,7 @@ class VehicleWind(ABC):
         """Return the wind angle of attack [rad] of a vehicle in a plane."""
 
     def unknown(self, vehicle: Any, plane: str) -> str:
-        """Return why parts of the wind are not known, in words; empty where it is known.
-
-        `vehicle`, `plane`: as in `history`.
-        """
+        """Return why parts of the wind of a vehicle in a plane are not known; "" if it is known."""
         return ""
 
     @abstractmethod

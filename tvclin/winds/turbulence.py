@@ -453,7 +453,8 @@ class Turbulence(Record):
 
         Between the times [s] they are straight; a step well below L/V keeps the spectrum. `speed`,
         `altitude`: airspeed [m/s] and altitude [m] at the times. `seed`, `first`: seed of the
-        noise, and number of the first run. Same exceptions as `samples`.
+        noise, and number of the first run. `InputError` for times that do not rise, numbers out of
+        range, and a table without an altitude.
         """
         wind = self.samples(times, speed, altitude=altitude, seed=seed, first=first, runs=runs)
         angle = wind / _SPEEDS("speed", speed, "m/s")

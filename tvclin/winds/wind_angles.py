@@ -221,7 +221,7 @@ def angles_from_speed(
 
     `speed`, `velocity`: of the wind and of the vehicle relative to the air [m/s]. `attitude`:
     attitude above the horizontal [rad]. `heading`: direction [rad] from which the wind blows,
-    clockwise from the heading of the flight. `InputError` as `angle_from_speed`.
+    clockwise from the heading of the flight. `InputError` for a wind faster than the flight.
     """
     sines = sines_by_heading(
         errors.number("heading", heading, errors.directions, "rad"), float(attitude)

@@ -37,7 +37,7 @@ from tvclin.winds.soundings.levels import (
     wind_components,
 )
 
-_HEADER_LINE = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) .{4}\s+(\d+)\b")
+_HEADER_LINE = re.compile(r"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) (.{4})\s+(\d+)\b", re.ASCII)
 _INTEGER = re.compile(r"-?\d+")
 _PRESSURE, _HEIGHT, _DIRECTION, _SPEED = slice(9, 15), slice(16, 21), slice(40, 45), slice(46, 51)
 """Columns of pressure, height, wind direction and wind speed, from 0."""
@@ -46,7 +46,6 @@ _BLANK_COLUMNS = (33, 39, 45)
 _BROKEN = "a level is cut short or not in its columns"
 _MIN_DERIVED_NUMBERS = 6
 """Smallest number of integers after the count of levels in a header of derived parameters."""
-_HEADER_BYTES = re.compile(rb"#(\w{11}) (\d{4}) (\d\d) (\d\d) (\d\d) (.{4})\s+(\d+)\b")
 _HEADER_START = re.compile(rb"\s*#\w{11} \d{4} \d\d \d\d ")
 _MAX_LINE_WIDTH = 60
 _DERIVED_SUFFIX = "-drvd"
@@ -58,7 +57,7 @@ _MAX_LINE_BYTES = 1000
 """Largest number of bytes of a line; lines of IGRA have at most 71."""
 _PROGRESS_BYTES = 1 << 22
 """Bytes between two calls of `progress`."""
-_MISSING_HOUR, _MISSING_RELEASE = 99, b"9999"
+_MISSING_HOUR, _MISSING_RELEASE = 99, "9999"
 
 Progress = Callable[[int, int], None]
 _SOUNDING_SPACING = 1e6
@@ -99,7 +98,7 @@ def _station_sounding(text: Text, first: int, end: int) -> SoundingEntry:
         raise derived_error(text.source)
     if match is None:
         raise text.error(first + 1, "the header of an IGRA sounding is not in its columns")
-    station, year, month, day, hour, count = match.groups()
+    station, year, month, day, hour, _, count = match.groups()
     time = f"{year}-{month}-{day} {hour}"
     title = f"{station}, {time} UTC"
     return SoundingEntry(lambda: _station_levels(text, first, end, title, int(count)), time=time)
@@ -255,7 +254,7 @@ class _StationStream:
         self.number += 1
         # the first line may begin with a byte order mark of three bytes
         if line[:1] == b"#" or (self.number == 1 and _HEADER_START.match(line[3:])):
-            self._head(line.removeprefix(b"\xef\xbb\xbf"))
+            self._head(line.removeprefix(b"\xef\xbb\xbf").decode("latin-1").rstrip())
         elif self.accepting and not line.isspace():
             # blocks end at a header: a sounding may go on beyond the usual number of levels
             if len(self.lines) > _LEVELS_PER_BLOCK + _MAX_LEVELS:
@@ -263,29 +262,29 @@ class _StationStream:
             self.lines.append(line)
             self.numbers.append(self.number)
 
-    def _head(self, line: bytes) -> None:
+    def _head(self, line: str) -> None:
         """Parse the line of a header, and decide whether its levels are accepted."""
         if len(self.lines) > _LEVELS_PER_BLOCK:
             self.end()
         self.accepting = False
         self.headers += 1
-        match = _HEADER_BYTES.match(line)
-        if self.headers == 1 and is_derived(line.decode("latin-1").strip()):
+        match = _HEADER_LINE.match(line)
+        if self.headers == 1 and is_derived(line):
             raise derived_error(self.name)
         if match is None:
             where = f"{self.name}, line {self.number}"
             self.collection.count("headers not in their columns, left out", where)
             return
         station, *date, hour, release, count = match.groups()
-        time = self._time("-".join(number.decode() for number in date), int(hour), release)
-        if time is not None and self.accepted.accepts(station.decode(), time):
+        time = self._time("-".join(date), int(hour), release)
+        if time is not None and self.accepted.accepts(station, time):
             self.accepting = True
-            self.collection.stations.setdefault(station.decode(), called(self.name))
+            self.collection.stations.setdefault(station, called(self.name))
             self.heads.append(
                 _Header(time, line=self.number, announced=int(count), first=len(self.lines))
             )
 
-    def _time(self, date: str, hour: int, release: bytes) -> Any:
+    def _time(self, date: str, hour: int, release: str) -> Any:
         """Return the nominal time [UTC] of a sounding; None for an impossible date.
 
         `date`: as 2024-02-15. `hour`: 99 for a missing one, in place of which the time of
@@ -293,9 +292,9 @@ class _StationStream:
         """
         note, minutes = "", 60 * hour
         if hour == _MISSING_HOUR:
-            released = release.isdigit() and release != _MISSING_RELEASE and int(release) % 100 < 60
-            minutes = 60 * int(release[:2]) + int(release[2:]) if released else 720
-            source = "that of release" if released else "noon"
+            known = release.isdecimal() and release != _MISSING_RELEASE and int(release) % 100 < 60
+            minutes = 60 * int(release[:2]) + int(release[2:]) if known else 720
+            source = "that of release" if known else "noon"
             note = f"soundings without an hour, for which {source} is taken"
         try:
             time = np.datetime64(date, "m") + np.timedelta64(minutes, "m")

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 
-from tvclin.base.arrays import IntArray
 from tvclin.base.sheet import Text
 from tvclin.base.units import UNITS
 from tvclin.winds.soundings.levels import Levels, SoundingEntry
@@ -61,8 +60,13 @@ def _read(text: Text, header: int, title: str) -> Levels:
             header + 1,
             "the header must name HGHT, DRCT and either SKNT (knots) or SPED (m/s), for the unit",
         )
-    first = _after_units(text, header, speeds[0])
-    line = _lines_of(text, first)
+    rows = []  # line numbers of the levels, up to a blank line or a rule
+    for i in range(_after_units(text, header, speeds[0]), len(text.lines)):
+        content = text.lines[i].strip()
+        if not content or content.startswith(("<", "Station", "-----")):
+            break
+        rows.append(i + 1)
+    line = np.array(rows, dtype=np.int64)
     height, direction, speed = (
         text.numbers(name, [text.lines[i - 1][fields[name]] for i in line], line)
         for name in ("HGHT", "DRCT", speeds[0])
@@ -103,17 +107,3 @@ def _after_units(text: Text, header: int, speed: str) -> int:
             )
         i += 1
     return i
-
-
-def _lines_of(text: Text, first: int) -> IntArray:
-    """Return the numbers of the lines of levels in a text, up to a blank line or rule, ``(n,)``.
-
-    `first`: index of the first of these lines.
-    """
-    line = []
-    for i in range(first, len(text.lines)):
-        content = text.lines[i].strip()
-        if not content or content.startswith(("<", "Station", "-----")):
-            break
-        line.append(i + 1)
-    return np.array(line, dtype=np.int64)
