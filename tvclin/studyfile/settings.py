@@ -255,10 +255,9 @@ def _put(tables: dict[str, Any], setting: Setting) -> None:
         tables.pop(name, None)
         return
     table, entry = _ALL_TABLES[name], tables.get(name)
-    if name in _ROWS:
-        rows, rest = _rows_of(tables, name), list(rest)
-        row = _row(rows, name, rest, value)
-        if row is None or not rest:
+    if name in _ROWS:  # a repeated table; `_row` takes the row's number or name from `rest`
+        row = _row(_rows_of(tables, name), name, rest, value)
+        if row is None:  # removed
             return
         entry, table = row, _row_table(name, rest[0])
     elif entry is None:
@@ -266,10 +265,9 @@ def _put(tables: dict[str, Any], setting: Setting) -> None:
     elif not isinstance(entry, dict):
         raise InputError(f"{name} is no table in the file")
     if name == "autopilot" and rest[0] == "filter" and len(rest) > 1:
-        filters = entry.setdefault("filter", [])
-        rest = rest[1:]
+        filters, rest = entry.setdefault("filter", []), rest[1:]
         row = _row(filters, "autopilot.filter", rest, value)
-        if row is None or not rest:
+        if row is None:
             return
         entry, table = row, FILTER_TABLE
     if len(rest) > 1:
