@@ -42,7 +42,6 @@ def pytest_collection():
     try:
         return (yield)
     finally:
-        gc.freeze()  # what was collected stays to the end
         gc.enable()
 
 

@@ -189,3 +189,17 @@ def test_a_schedule_without_altitude_says_so_when_it_is_asked(configuration_i) -
     assert schedule.speed.tolist() == [configuration_i.velocity] * 2
     with pytest.raises(InputError, match="no altitude; give altitude_m"):
         _ = schedule.height
+
+
+def test_an_altitude_in_kilometres_is_that_in_metres(tmp_path) -> None:
+    file = tmp_path / "km.csv"
+    tv.load_schedule("configuration-i").to_csv(file)
+    lines = file.read_text(encoding="utf-8").splitlines()
+    head, *rows = [line.split(",") for line in lines if not line.startswith("#")]
+    place = head.index("altitude_m")
+    head[place] = "altitude_km"
+    for row in rows:
+        row[place] = f"{float(row[place]) / 1e3!r}"
+    file.write_text("\n".join(",".join(row) for row in (head, *rows)) + "\n", encoding="utf-8")
+    read = tv.load_schedule(file)
+    np.testing.assert_allclose(read.height, tv.load_schedule("configuration-i").height, rtol=1e-9)

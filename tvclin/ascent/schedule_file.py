@@ -28,7 +28,7 @@ FLIGHT_COLUMNS = FileTable(
     "[schedule]",
     {
         "nominal_deflection": "angle",
-        "altitude": "length",
+        "altitude": "altitude",
         "actuator_frequency": "natural frequency",
         "actuator_damping": "number",
     },
@@ -248,7 +248,8 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
 
 def _csv_rows(text: str, source: str) -> list[Row]:
     """Return the rows of a schedule in the text of a CSV file; `source`: its path, for errors."""
-    sheet = sheet_in(lines_of(text, source), _key_count, "keys, such as time_s,weight_N")
+    missing = "keys, such as time_s,weight_N (tvclin init --keys has all)"
+    sheet = sheet_in(lines_of(text, source), _key_count, missing)
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
         if keys.count(key) > 1:

@@ -47,6 +47,7 @@ UNITS: dict[str, dict[str, float]] = {
     "energy": {"J": 1.0},
     "mass flow": {"kg_per_s": 1.0, "lb_per_s": POUND},
     "length": {"m": 1.0, "ft": FOOT, "in": FOOT / 12},
+    "altitude": {"m": 1.0, "km": 1e3, "ft": FOOT},
     "per length": {"per_m": 1.0, "per_ft": 1.0 / FOOT, "per_in": 12 / FOOT},
     "speed": {"m_per_s": 1.0, "km_per_s": 1e3, "ft_per_s": FOOT, "kt": 1852 / 3600},
     "acceleration": {"m_per_s2": 1.0, "ft_per_s2": FOOT},

@@ -271,15 +271,8 @@ def fly_laws(
     with bar("flights") as progress:
         trials = law_trials(plant, laws, histories, cuts=cuts, progress=progress, **hardware)
     draw(shown.plot, lambda: plots.laws_chart(plant, laws, peak, **hardware))
-    result = _Answer(
-        case,
-        plant,
-        peak,
-        duration,
-        rate=hardware["sample_rate"],
-        trials=trials,
-        bounds=bounds(plant.rigid, histories),
-    )
+    rate, lower = hardware["sample_rate"], bounds(plant.rigid, histories)
+    result = _Answer(case, plant, peak, duration, rate=rate, trials=trials, bounds=lower)
     answer(shown.as_json, lambda: result.document(cuts), lambda: result.print(vehicle, more))
 
 

@@ -166,6 +166,7 @@ def _compared(
     size = f"{np.degrees(limit):.3f} deg"
     sizes = [abs(boundary.deflection) for boundary in boundaries or ()]
     rate_text = "" if rate is None else f", rate limit {np.degrees(rate):.3f} deg/s"
+    of_limit = f"; {case.plant.model}, limit {size}{rate_text}"
     return Compared(
         flying=case,
         flight=flight,
@@ -177,9 +178,7 @@ def _compared(
         verdict=f"{_word(flown_status)} with {size} {NOMINAL}, {FROZEN_VEHICLE}{ending}"
         f"{case.unknown_suffix}",
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
-        title=f"{flight_title(case)}; {case.plant.model}, limit {size}{rate_text}".replace(
-            "\n", ": "
-        ),
+        title=f"{flight_title(case)}{of_limit}".replace("\n", ": "),
         facts={
             "flexible": case.is_flexible,
             "linear_model": case.plant.model,
@@ -227,6 +226,7 @@ def _word(status: str) -> str:
     return f"{survival(status == 'survived')}{detail}"
 
 
+_AT_THE_PEAK = "In a head or cross wind the requirement is that at the pressure of the peak"
 _COMPARED = (
     *("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "peak_attitude"),
     *("peak_flight_path_angle", "minimum", "wind_gain", "part_of_trim", "steady_drift_rate"),
@@ -446,13 +446,9 @@ class AutopilotFlight:
             print_tables(*tables[1:])
             if stable:
                 uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"
-                say(
-                    "In a head or cross wind the requirement is that at the pressure of the peak;"
-                    f" the autopilot uses {uses}."
-                )
-                print_tables(
-                    quantities("In this wind", [*self.compared.motions(), *self._further_rows()])
-                )
+                say(f"{_AT_THE_PEAK}; the autopilot uses {uses}.")
+                rows = [*self.compared.motions(), *self._further_rows()]
+                print_tables(quantities("In this wind", rows))
             for head in self.flight.heads if self.flight is not None else ():
                 say(head)
             print_autopilot("Autopilot", self.compared.autopilot, self.compared.plant)

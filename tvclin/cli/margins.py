@@ -398,17 +398,13 @@ class _Answer:
             verdict = "; ".join((verdict, *self._lost))
             notes = [self.in_wind.sentence, *notes]
         elif self.in_wind is not None:
-            title = (
-                f"In this {wind_words(self.wind, case)}, {NOMINAL}, with a limit of"
-                f" {degrees(case.nozzle.limit or 0.0):g} deg,"
-                f" {case.hardware['sample_rate']:g} Hz"
-            )
+            limit, rate = degrees(case.nozzle.limit or 0.0), case.hardware["sample_rate"]
+            title = f"In this {wind_words(self.wind, case)}, {NOMINAL}"
+            title = f"{title}, with a limit of {limit:g} deg, {rate:g} Hz"
             tables.append(flown_table(self.in_wind, title))
-            said = (
-                f"the limit is {self.in_wind.limit:.4g} of full trim, {self.in_wind.spare:.4g}"
-                " times the boundary of the autopilot"
-            )
-            notes = [said, *self.in_wind.notes, *notes]
+            of_boundary = f"{self.in_wind.spare:.4g} times the boundary of the autopilot"
+            size = f"the limit is {self.in_wind.limit:.4g} of full trim, {of_boundary}"
+            notes = [size, *self.in_wind.notes, *notes]
 
         def details() -> None:
             """Print the stability of detuned modes, the autopilot and its bounds."""

@@ -241,33 +241,25 @@ def over_rate(
     """
     from tvclin import plots
 
-    with waiting("flying"):
-        flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
-        autopilot_rate = None  # beyond linearity, and in a wind that is not known, too
-        unknown = beyond_linear(float(case.history.peak)) or case.unknown_wind
-        if AUTOPILOT in names and not unknown:
-            autopilot_rate = flown_required_rate(case, limited_law(case, AUTOPILOT))
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("angle over rate"):
+        flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
         trade_off = _rate_trade_off(case, limit)
-        stated = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
-    curve, point = trade_off.tables()
+    stated = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
+    first, *further = trade_off.tables()
     drawn: RateTradeOff | FlownTradeOff = trade_off
-    first, further = curve, [point]
-    laws = _flown_limits(case) if every_law else None
-    if laws is not None:
-        (flown_table,) = laws.tables()
-        drawn, first, further = laws, flown_table, [curve, point]
-    rates = _RequiredRates(stated, autopilot_rate, REQUIRED if limit is None else "limit")
+    if laws := _flown_limits(case) if every_law else None:
+        drawn, first, further = laws, *laws.tables(), [first, *further]
+    stated_at = REQUIRED if limit is None else "limit"
+    rates = _RequiredRates(stated, _autopilot_rate(case, names), stated_at)
     further += [table for duty in flown for table in duty.tables()]
-    limited = limit is not None or rate_limit is not None
     judged = _judged(case, trade_off, required)
+    limited = limit is not None or rate_limit is not None
+    of_laws = {"laws": laws} if laws else {}
     return TradeOffAnswer(
         trade_off=trade_off,
         judged=judged,
-        document={"trade_off": trade_off, "flown": flown}
-        | rates.document
-        | ({} if laws is None else {"laws": laws}),
+        document={"trade_off": trade_off, "flown": flown} | rates.document | of_laws,
         outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
         rate=rates.words,
         tables=_titled(title, *rates.tables, first),
@@ -277,6 +269,17 @@ def over_rate(
         curves=lambda: plots.rate_curves(drawn),
         chart=lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
+
+
+def _autopilot_rate(case: StudyPlan, names: list[str]) -> float | None:
+    """Return the smallest rate limit [rad/s] with which a case's autopilot survives.
+
+    None where the autopilot is not among the laws, by their `names`, beyond linear aerodynamics,
+    and in a wind that is not known throughout.
+    """
+    if AUTOPILOT not in names or beyond_linear(float(case.history.peak)) or case.unknown_wind:
+        return None
+    return flown_required_rate(case, limited_law(case, AUTOPILOT))
 
 
 def _judged(case: StudyPlan, trade_off: RateTradeOff, required: CaseRequirement | None) -> str:

@@ -158,13 +158,11 @@ def bounded_trim(
     if case.nozzle.limit is not None:
         limit = case.nozzle.limit
     else:
-        limit = nominal * float(
-            within("--capability", 1.0 if capability is None else capability, 1e-3, 1e3)
-        )
+        ratio = 1.0 if capability is None else capability
+        limit = nominal * float(within("--capability", ratio, 1e-3, 1e3))
         if np.isinf(limit):
-            raise InputError(
-                f"no limit is sufficient with K = {dead_band:g} here; give --limit-deg"
-            )
+            none = f"no limit is sufficient with K = {dead_band:g} here"
+            raise InputError(f"{none}; give --limit-deg")
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
     # the sign of the limit, opposite to the wind for B > 0; in a wind of zero any

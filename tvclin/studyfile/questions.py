@@ -246,14 +246,14 @@ def _rate(findings: Findings) -> Question:
         yes = _also(yes, trade_off.above_lower_bound)
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
-    words = "by the larger of both lower bounds with this limit; a law may require more"
+    words = "by the larger of both lower bounds with this limit"
     if np.isinf(trade_off.required_rate):
         words = "with this limit no rate is sufficient"
     elif yes is None and trade_off.rate_limit is not None:
         words = (
             f"the rate limit covers the bounds {NOMINAL}, and not the larger one with this limit"
         )
-    line: Line = (words, *at_peak)
+    line: Line = (words, *at_peak, "; a law may require more") if yes else (words, *at_peak)
     required = trade_off.lower_bound * findings.study.plane_ratio
     bounds = "the larger of both lower bounds"
     if at_peak:

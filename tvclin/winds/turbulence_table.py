@@ -20,7 +20,7 @@ from tvclin.winds.turbulence import COMPONENTS, SPECTRA, Turbulence
 
 LEVEL_TABLE = FileTable(
     "[[turbulence.level]]",
-    {"altitude": "length", "intensity": "speed", "length": "length"},
+    {"altitude": "altitude", "intensity": "speed", "length": "length"},
     required=("altitude", "intensity"),
 )
 _COLUMNS = {

@@ -21,7 +21,7 @@ from tvclin.vehicle.filters import Filter
 _VARIABLES = {
     "time": "time",
     "speed": "speed",
-    "altitude": "length",
+    "altitude": "altitude",
     "mach": "number",
     "dynamic_pressure": "pressure",
 }

@@ -308,7 +308,7 @@ def _files(source: Any) -> list[Path]:
     for item in paths:
         if not exists(item):
             raise errors.InputError(
-                f"{called(item)} does not exist; load it down from its archive first"
+                f"{called(item)} does not exist; download it from its archive first"
             )
         inside = sorted(item.iterdir()) if item.is_dir() else [item]  # not those of its folders
         files += [file for file in inside if file.is_file() and not file.name.startswith(".")]
