@@ -11,7 +11,8 @@ fastest unstable mode at the end of the wind, the unstable component p.x obeys
 for a deflection held from t on. Under ideal trim up to t the deflection limit that is sufficient
 when it is held from t on is demand(t) = -(p.x + F)/R, beside trim(t) itself
 (`kernels.trim_and_demand`). `varying_curves` reads from both what a control with a dead band
-requires; with one unstable mode the demand at the onset is the minimum peak of all control.
+requires; with one unstable mode, and while p.b keeps its sign, the demand at the onset is the
+minimum peak of all control. Else that is at least ``|p.x + F|`` over the integral of ``|p.b|``.
 
 With several unstable modes no control needs less than the minimum over all of them
 (`minimum_peaks`), from the onset on and, for 0 < K < 1, from the exit of the dead band on.
@@ -295,14 +296,14 @@ def varying_requirement(
     reach = equations.end[:, -1]  # control reach R of the fastest real unstable mode, NaN without
     no_real_mode = np.broadcast_to(np.isnan(reach), trim.shape)
     # the demand at the onset bounds every control; else only the minimum over several modes does
-    demand_bounds = ~(no_real_mode | equations.changes_sign)
+    demand_bounds = ~(no_real_mode | equations.reverses)
     minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
     peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
     # where a limit that is held may drive the vehicle to either side, trim must never exceed K
     # times the limit
-    without_exit = np.any(paired, axis=(1, 2)) | equations.changes_sign
+    without_exit = np.any(paired, axis=(1, 2)) | equations.reverses
     with np.errstate(divide="ignore", invalid="ignore"):
         within_dead_band = np.where(without_exit & (trim > 0.0), trim / dead_band, 0.0)
         highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
@@ -333,7 +334,7 @@ def _exits(
             limit, time = trim_and_demand.limit_of_dead_band(dead_band)
         ratios = trim_and_demand.trim_ratios(dead_band) if dead_band > 0.0 else None
     for cases, peaks in winds.peaks_over_modes(trim_and_demand.path, ratios):
-        minimum[cases] = peaks[:, 0]  # from the onset on
+        minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])  # from the onset on
         if ratios is None:
             continue
         from_step = np.stack([peaks[:, :-1], peaks[:, 1:]], axis=-1)  # at begin and end of steps
@@ -523,7 +524,7 @@ class SteppedWinds:
     def peaks_over_modes(
         self, path: FloatArray, trim_ratios: FloatArray | None = None
     ) -> Iterator[tuple[IndexArray, FloatArray]]:
-        """Yield cases with several unstable modes, and their `minimum_peaks` [rad], ``(k, S + 1)``.
+        """Yield cases of `Equations.modes`, and their `minimum_peaks` [rad], ``(k, S + 1)``.
 
         They are the smallest peaks of any control from the begin of steps on. `path`: states beyond
         attitude and rate under trim at the ends of steps, of `Curves`. `trim_ratios`: trim over K
@@ -534,6 +535,9 @@ class SteppedWinds:
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
             end_of_cases = end if len(end) == 1 else end[cases]
+            if modes.poles.shape[1] == 1:  # a deflection with the sign of p.b reaches the most
+                reach = np.broadcast_to(self.equations.absolute_reach, len(path))[cases]
+                end_of_cases = np.append(end_of_cases[:, :-1], reach[:, np.newaxis], axis=-1)
             ratios = None if trim_ratios is None else trim_ratios[cases]
             yield cases, minimum_peaks(modes, selected, end_of_cases, path[cases], ratios)
 

@@ -107,13 +107,11 @@ def sign_changes(nominal: FloatArray) -> BoolArray:
     return np.asarray(np.minimum(-low, high) > _ZERO_MOMENT_FRACTION * np.maximum(-low, high))
 
 
-def unstable_modes_of(A: FloatArray, single: BoolArray | bool = False) -> tuple[UnstableModes, ...]:
+def unstable_modes_of(A: FloatArray) -> tuple[UnstableModes, ...]:
     """Return the unstable modes of ``A (n, m, m)``, two or three of them, the fastest one real.
 
     Cases with the same numbers of real modes and of pairs are in one record; cases with another
-    number of modes, or a pair as the fastest, are omitted. `single`, ``(n,)``: whether a case with
-    one mode is returned too. It need not be as long as a deflection acts on the mode with one sign,
-    for then the limit that is sufficient when it is held is the minimum peak of all control.
+    number of modes, or a pair as the fastest, are omitted.
     """
     values, vectors = left_eigenvectors(A)
     unstable = (np.real(values) > 0.0) & (np.imag(values) >= 0.0)
@@ -121,12 +119,9 @@ def unstable_modes_of(A: FloatArray, single: BoolArray | bool = False) -> tuple[
     kinds = np.add(unstable, pairs, dtype=int)  # 0, 1 of a real mode, 2 of a pair
     groups = []
     for kind in np.unique(kinds, axis=0):
-        if kind[0] != 1 or kind.sum() > 3:  # the fastest is first, and a pair counts twice
+        if kind[0] != 1 or not 2 <= kind.sum() <= 3:  # the fastest is first, a pair counts twice
             continue
-        counted = single if kind.sum() == 1 else True
-        cases = np.flatnonzero(np.all(kinds == kind, axis=-1) & counted)
-        if not cases.size:
-            continue
+        cases = np.flatnonzero(np.all(kinds == kind, axis=-1))
         poles, costates = values[cases][:, kind > 0], vectors[cases][:, kind > 0]
         if not np.any(kind == 2):
             poles, costates = np.real(poles), np.real(costates)
@@ -212,7 +207,14 @@ class Equations:
         Whether flights of the limited law decide, since b1 is negative, or b1 or a second pole is
         comparable with the fastest, ``(n,)``.
     modes : tuple of UnstableModes
-        Those of vehicles with several unstable modes at the end.
+        Those of vehicles with several unstable modes at the end, and the fastest mode alone of
+        those whose deflection `reverses`.
+    reverses : ndarray of bool
+        Whether mu_alpha changes its sign, or the effect p.b of a deflection on the fastest mode,
+        from the begin of the steps on, ``(n,)``: the limit that is sufficient when it is held is
+        then no lower bound.
+    absolute_reach : ndarray
+        Integral of ``|p.b|`` after the end, of the costate in `end`, ``(n,)``.
     """
 
     nominal: FloatArray
@@ -221,6 +223,8 @@ class Equations:
     paired: BoolArray
     quick_path: BoolArray
     modes: tuple[UnstableModes, ...]
+    reverses: BoolArray
+    absolute_reach: FloatArray
 
     @classmethod
     def frozen(cls, vehicle: Vehicle, model: str, plane: str) -> Self:
@@ -246,13 +250,16 @@ class Equations:
         E = E.reshape(-1, order, columns)
         slopes = slopes.reshape(-1, 1, 1, 2, order, columns)
         _pole, paired = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
+        end = unstable_end(E)
         return cls(
             nominal=np.repeat(E[:, np.newaxis, np.newaxis], 3, axis=2),
             slopes=np.repeat(slopes, 3, axis=2),
-            end=unstable_end(E),
+            end=end,
             paired=np.reshape(paired, (-1, 1, 1)),
             quick_path=np.ravel(has_quick_path(plants[0])),
             modes=unstable_modes_of(E[..., :order]),
+            reverses=np.zeros(len(end), dtype=bool),
+            absolute_reach=np.abs(end[:, -1]),
         )
 
     def at_steps(self, times: FloatArray) -> Self:
@@ -293,6 +300,8 @@ class Equations:
             paired=selected(self.paired),
             quick_path=selected(self.quick_path),
             modes=tuple(mode for mode in modes if mode.cases.size),
+            reverses=selected(self.reverses),
+            absolute_reach=selected(self.absolute_reach),
         )
 
     @property

@@ -140,7 +140,8 @@ class PlaneMarch:
             return Bounds(lower=limit, upper=limit, lowest=limit, highest=highest)
         minimum = np.zeros(limit.shape)
         for cases, peaks in stepped.peaks_over_modes(march.path):
-            minimum[cases] = peaks[:, 0]  # from the begin of the first step on
+            # from the begin of the first step on
+            minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])
         flown, lowest = time_varying.decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
         # a flight requires at most a measured multiple of it, and less than the law ever reaches

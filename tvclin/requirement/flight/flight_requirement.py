@@ -11,9 +11,12 @@ The unstable component p.x goes to zero in the end exactly when
 
 which for constant parameters, p = e^(-s t) times the left eigenvector, is eq (4b). Integrated
 backwards, every costate p turns into the costate of the unstable mode. The control reach R is the
-effect on the unstable component of a unit deflection that is constant from t on.
+effect on the unstable component of a unit deflection that is constant from t on. No control has a
+larger effect per deflection than the integral of ``|p.b|``, the absolute control reach, which is
+``|R|`` as long as p.b keeps its sign. While two poles are a pair, as near lift-off, p turns, and
+R passes through zero: a constant deflection then requires more than other controls do.
 
-Both are marched backwards from the end of the flight, where they are the values of the vehicle
+All three are marched backwards from the end of the flight, where they are the values of the vehicle
 frozen as it is there, by the rule of Runge and Kutta, and scaled to ``|p| = 1`` after each step.
 The error is of fourth order in the steps, below 1e-6 at the length taken here. Where the moment
 changes its sign during a wind or after it, flights of the limited trim law decide, up to the last
@@ -33,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.schedule import FlightSchedule
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.case.case import Case
@@ -45,6 +48,7 @@ from tvclin.requirement.time_varying import MAX_BATCH_STEPS, step_times, varying
 from tvclin.requirement.varying_equations import (
     PRESSURES,
     Equations,
+    UnstableModes,
     has_quick_path,
     of_pressure,
     sign_changes,
@@ -62,6 +66,8 @@ _MAX_STEPS = 100_000
 """Largest number of steps along a flight."""
 WHOLE_TRIM = "counts all of trim there, which may be more than a control requires"
 """What K = 1 requires while two unstable poles are a pair, in words."""
+_REACH_ROUNDING = 1e-9
+"""Relative rounding of control reaches."""
 _MAX_ROW_STEP_S = 0.5
 """Longest time [s] between two rows at which the poles of the vehicle are computed."""
 
@@ -111,17 +117,23 @@ class FlightMode:
         """Return the costate p of length one, ``(m,) + t.shape``, and the control reach R.
 
         The costate is that of the fastest unstable mode, whose unstable component is p.x. R is the
-        effect on it of a unit deflection constant from t on. Both are integrated backwards to `t`
-        from the next of the times at which they are stored. `t`: times [s]; those outside the span
+        effect on it of a unit deflection constant from t on. `t`: times [s]; those outside the span
         count as its ends.
+        """
+        solution = self._costates_and_reaches(t)
+        return solution[:-2], solution[-2]
+
+    def _costates_and_reaches(self, t: Any) -> FloatArray:
+        """Return costate p and reach R of `at`, and absolute reach, ``(m + 2,) + t.shape``.
+
+        The absolute control reach is the integral of ``|p.b|`` from t on. All are integrated
+        backwards to `t` [s] from the next of the times at which they are stored.
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
         ends, costates = self._march
         step = np.minimum(np.searchsorted(ends, times, side="left"), ends.size - 1)
-        matrices = self._step_matrices(times, ends[step])
-        solution = np.einsum("...i,...ij->...j", costates[step], matrices)  # p and R at t
-        solution = np.moveaxis(solution / _length(solution), -1, 0)
-        return solution[:-1], solution[-1]
+        solution = _before(costates[step], self._step_matrices(times, ends[step]))
+        return np.moveaxis(solution, -1, 0)
 
     @property
     def unstable(self) -> bool:
@@ -171,21 +183,32 @@ class FlightMode:
         E = np.broadcast_to(E, (inside.size, order, columns))
         E_slopes = np.broadcast_to(E_slopes, (inside.size, 2, order, columns))
         nominal = E.reshape(*times.shape, order, columns)
-        costate, reach = self.at(times[:, -1, 2])  # at the end of the last step
+        # at the end of the last step, and at the begin of the first
+        *costate, reach, absolute_reach = self._costates_and_reaches(times[:, -1, 2])
+        *_costate, onset_reach, onset_absolute_reach = self._costates_and_reaches(times[:, 0, 0])
         _pole, pair = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
         paired, quick = (
             np.broadcast_to(x, inside.shape).reshape(times.shape)
             for x in (pair, has_quick_path(plants[0]))
         )
         changes = sign_changes(nominal)
+        reverses = changes | _reverses(onset_reach, onset_absolute_reach)
+        costates = np.stack(costate, axis=-1)[reverses, np.newaxis]
+        # the fastest mode by itself, whose pole does not matter
+        single = UnstableModes(np.flatnonzero(reverses), np.ones(costates.shape[:2]), costates)
+        several = unstable_modes_of(nominal[:, -1, 2, :, :order])
+        constant = np.flatnonzero(~_reverses(reach, absolute_reach))  # in sign after the wind
+        modes = single, *(modes.of(constant) for modes in several)
         return Equations(
             nominal=nominal,
             slopes=E_slopes.reshape(*times.shape, 2, order, columns),
-            end=np.append(costate, reach[np.newaxis], axis=0).T,
+            end=np.stack([*costate, reach], axis=-1),
             # by a change of sign the modes are a pair for a while, which flights go through
             paired=np.where(changes[:, np.newaxis, np.newaxis], paired[:, -1:, -1:], paired),
             quick_path=np.any(quick, axis=(1, 2)),
-            modes=unstable_modes_of(nominal[:, -1, 2, :, :order], changes),
+            modes=tuple(each for each in modes if each.cases.size),
+            reverses=reverses,
+            absolute_reach=absolute_reach,
         )
 
     @cached_property
@@ -295,11 +318,13 @@ class FlightMode:
 
     @cached_property
     def _march(self) -> tuple[FloatArray, FloatArray]:
-        """Ends of steps [s] ``(k,)``, and costate and control reach there ``(k, m + 1)``.
+        """Ends of steps [s] ``(k,)``, and costate and control reaches there ``(k, m + 2)``.
 
         The costate p is that of the fastest unstable mode, the control reach R the effect on p.x of
-        a unit deflection constant from then on. They are integrated backwards from the end of the
-        span, where the vehicle is frozen, and scaled to a costate of length one after each step.
+        a unit deflection constant from then on, and the absolute one, the last number of each row,
+        that of one with the sign of p.b in each step. They are integrated backwards from the end of
+        the span, where the vehicle is frozen, and scaled to a costate of length one after each
+        step.
         """
         start, stop = self.span
         breakpoints = np.append(self.schedule.times, self.last_unstable)
@@ -307,11 +332,11 @@ class FlightMode:
         knots = np.unique([start, *inside, stop])
         ends = _refined(knots, np.diff(knots) * self.fastest[0] / _STEP_OVER_TIME_CONSTANT)
         matrices = self._step_matrices(ends[:-1], ends[1:])
-        costates = np.empty((ends.size, matrices.shape[-1]))
-        costates[-1] = unstable_end(self._equations(stop))
+        costates = np.empty((ends.size, matrices.shape[-1] + 1))
+        costates[-1, :-1] = unstable_end(self._equations(stop))
+        costates[-1, -1] = abs(costates[-1, -2])
         for k in range(ends.size - 2, -1, -1):
-            before = costates[k + 1] @ matrices[k]
-            costates[k] = before / _length(before)
+            costates[k] = _before(costates[k + 1], matrices[k])
         return ends, costates
 
     def _step_matrices(self, begin: FloatArray, end: FloatArray) -> FloatArray:
@@ -332,12 +357,22 @@ class FlightMode:
         return np.asarray(np.eye(total.shape[-1]) + h / 6.0 * total)
 
 
-def _length(costate_and_reach: FloatArray) -> FloatArray:
-    """Return the length of costates p, ``(..., 1)``, from rows ``(..., m + 1)`` of p and R.
+def _before(costates: FloatArray, matrices: FloatArray) -> FloatArray:
+    """Return costates of length one and control reaches at the begin of steps, ``(..., m + 2)``.
 
-    R is the control reach, the last number of each row.
+    `costates`: those at the ends of the steps. `matrices`: of the steps, ``(..., m + 1, m + 1)``;
+    see `FlightMode._step_matrices`.
     """
-    return np.asarray(np.linalg.norm(costate_and_reach[..., :-1], axis=-1, keepdims=True))
+    before = np.einsum("...i,...ij->...j", costates[..., :-1], matrices)  # p and R
+    of_step = np.abs(before[..., -1] - costates[..., -2])
+    absolute_reach = (costates[..., -1] + of_step)[..., np.newaxis]
+    length = np.linalg.norm(before[..., :-1], axis=-1, keepdims=True)
+    return np.asarray(np.concatenate([before, absolute_reach], axis=-1) / length)
+
+
+def _reverses(reach: FloatArray, absolute_reach: FloatArray) -> BoolArray:
+    """Return whether p.b changes its sign after the times of control reaches, ``(n,)`` each."""
+    return np.abs(reach) < (1.0 - _REACH_ROUNDING) * absolute_reach
 
 
 def _refined(times: FloatArray, steps: FloatArray) -> FloatArray:
