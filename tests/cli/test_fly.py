@@ -359,9 +359,11 @@ def test_a_flight_in_a_head_or_a_tail_wind_survives_as_the_boundary_of_each_says
 
 def test_a_part_of_a_sounding_is_said_to_be_one():
     sounding = ("--winds", SOUNDING, "--azimuth-deg", 90)
-    said = "of wyoming.txt the 20 s about the vehicle's own time count; --set sounding.window_s"
-    assert said in " ".join(run(*sounding).stderr.split())
-    assert said not in " ".join(run(*sounding, "--set", "sounding.window_s=20").stderr.split())
+    said = "of wyoming.txt the 20 s about the vehicle's own time count, cut with steps of 4.26 and"
+    for window in ((), ("--set", "sounding.window_s=20")):
+        assert said in " ".join(run(*sounding, *window).stderr.split())
+    wide = " ".join(run(*sounding, "--set", "sounding.window_s=60").stderr.split())
+    assert "own time count" not in wide
 
 
 @pytest.mark.thorough

@@ -45,3 +45,14 @@ def test_six_switches_are_shown_and_the_others_counted():
     assert shown.count(" s") == 6
     assert shown.endswith(f" and {of.best.switch_times.size - 6} more")
     assert of.first_segment == "goes with the wind"
+
+
+def test_the_bound_names_start_and_end_of_the_controls_that_it_bounds():
+    wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
+    plant = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
+    at_onset, early = (KnownWind.of(plant, wind, start) for start in (0.0, -30.0))
+    assert early.best.peak < at_onset.best.peak
+    assert at_onset.verdict().endswith("; no control survives this wind with less")
+    assert early.verdict("it").endswith("; no control that begins at -30 s survives it with less")
+    ends = KnownWind.of(plant, wind, 0.0, horizon=20.0).verdict()
+    assert ends.endswith("; no control that ends at 20 s survives this wind with less")

@@ -271,6 +271,8 @@ def _sounding_in_planes(
     return winds
 
 
+_MIN_STEP_FRACTION = 0.1
+"""Fraction of the largest wind angle in a window above which a step at an end is noted."""
 WINDOW_S = 20.0
 """Default length [s] of the part of a sounding that counts, about the time of the vehicle."""
 _TIME = "the vehicle's time"
@@ -353,6 +355,25 @@ class SoundingWind(VehicleWind):
                 f"{self.name} is known from {first:.6g} to {last:.6g} s of flight only; the wind"
                 " beyond is not counted"
             )
+
+    def steps(self, vehicle: Any, plane: str) -> FloatArray:
+        """Return the wind angles [rad] that the window cuts off at its begin and its end, ``(2,)``.
+
+        They are the steps with which the part of one sign that counts begins and ends, zero where
+        the sounding itself does, or where the wind has the other sign. Both are zero where they are
+        at most a tenth of the largest angle. `vehicle`: has the time of flight. `plane`: pitch or
+        yaw.
+        """
+        wind, time = self._along(plane), self._time(vehicle)
+        _times, angles = wind.samples(complete_vehicle(vehicle, "a sounding"))
+        if not np.any(angles):  # also where the wind is not known
+            return np.zeros(2)
+        largest = angles[np.argmax(np.abs(angles))]
+        first, last = wind.known
+        is_cut = first < time - self.window / 2, time + self.window / 2 < last
+        of_sign = np.where(angles[[0, -1]] * largest > 0.0, angles[[0, -1]], 0.0)
+        steps = np.where(is_cut, of_sign, 0.0)
+        return steps if np.abs(steps).max() > _MIN_STEP_FRACTION * abs(largest) else 0.0 * steps
 
     def unknown(self, vehicle: Any, plane: str) -> str:
         """Return why the wind is not known within the window of a vehicle, in words; often empty.

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
+from tvclin.ascent.wind_along import SoundingWind
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of, positive, within
 from tvclin.base.quantities import NOMINAL
@@ -195,7 +196,8 @@ def print_in_wind(
     )
     required = study_requirement(case, case.dead_band)
     by_dead_band, notes = _required(plant, wind, dead_bands)
-    verdict = "; ".join([known_wind.verdict, *([required.see_study] if required else [])])
+    bound = known_wind.verdict(_wind_words(case))
+    verdict = "; ".join([bound, *([required.see_study] if required else [])])
     answer(
         shown.as_json,
         lambda: (
@@ -214,6 +216,11 @@ def print_in_wind(
     if known_wind.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
+
+
+def _wind_words(case: StudyPlan) -> str:
+    """Return the wind of a case in words, of which a sounding is the part in its window."""
+    return "this part of the sounding" if isinstance(case.wind, SoundingWind) else "this wind"
 
 
 def _required(

@@ -115,11 +115,8 @@ class WindOptions(PulseOptions):
         if isinstance(plan.wind, SoundingWind):
             for note in plan.wind.notes(plan.vehicle, plan.plane):
                 note_below(note)
-            if plan.reading.window is None:
-                note_below(
-                    f"of {plan.wind.name} the {plan.wind.window:g} s about the vehicle's own time"
-                    " count; --set sounding.window_s takes another length"
-                )
+            for note in _window_notes(plan.wind, plan):
+                note_below(note)
         return plan
 
     def name(self, case: Case) -> str:
@@ -302,6 +299,24 @@ def wind_direction(plan: StudyPlan) -> str:
     if plan.plane != "pitch":
         return CROSS
     return "head" if float(plan.history.peak) < 0.0 else "tail"
+
+
+def _window_notes(wind: SoundingWind, plan: StudyPlan) -> Iterator[str]:
+    """Yield a note on the window of a sounding of a plan, where it is the default or makes steps.
+
+    The wind of the sounding is no step where the window cuts it, so that a requirement of the part
+    within may be larger than that of all of it.
+    """
+    part = f"of {wind.name} the {wind.window:g} s about the vehicle's own time count"
+    steps = np.degrees(wind.steps(plan.vehicle, plan.plane))
+    if np.any(steps):
+        yield (
+            f"{part}, cut with steps of {steps[0]:.3g} and {steps[1]:.3g} deg at the ends, which"
+            f" may change every number: --set sounding.window_s {2.0 * wind.window:g} takes more,"
+            " tvclin ascent the whole sounding"
+        )
+    elif plan.reading.window is None:
+        yield f"{part}; --set sounding.window_s takes another length"
 
 
 def check_reading(plan: StudyPlan) -> None:

@@ -313,11 +313,14 @@ _MAX_SHOWN_SWITCHES = 6
 class KnownWind(Shown):
     """Minimum peak deflection in a known wind, with the numbers it is compared with.
 
+    `start` is the first time [s] of the deflection, `horizon` that from which it is zero, or None.
     `best` is the deflection of minimum peak, `limited` that with a rate limit; None without one.
     """
 
     plant: Plant
     wind: History
+    start: float
+    horizon: float | None
     best: Optimum = field(
         metadata=specs(
             Field("peak", "angle", of="best.peak"),
@@ -345,9 +348,9 @@ class KnownWind(Shown):
         """
         best = optimum_deflection(plant, wind, start, horizon)
         if rate_limit is None:
-            return cls(plant, wind, best)
+            return cls(plant, wind, start, horizon, best)
         limited = optimum_with_rate_limit(plant, wind, rate_limit, start, horizon)
-        return cls(plant, wind, best, limited)
+        return cls(plant, wind, start, horizon, best, limited)
 
     @property
     def deflection(self) -> History:
@@ -417,12 +420,18 @@ class KnownWind(Shown):
             head, rows = head[:-1], [row[:-1] for row in rows]
         return Table(caption, head, tuple(rows))
 
-    @property
-    def verdict(self) -> str:
-        """The minimum peak in words, a lower bound of every control."""
+    def verdict(self, wind: str = "this wind") -> str:
+        """Return the minimum peak in words, a lower bound of every control with its start.
+
+        `wind`: the wind in words.
+        """
+        start, onset = self.start + 0.0, float(self.wind.onset)
+        times = [f"begins at {start:g} s"] if start != onset and np.isfinite(onset) else []
+        times += [] if self.horizon is None else [f"ends at {self.horizon:g} s"]
+        control = f"no control{' that ' if times else ''}{' and '.join(times)}"
         of_trim = "" if self.fraction_of_trim is None else f", {self.fraction_of_trim:.3f} of trim"
         peak = f"{np.degrees(self.best.peak):.3f} deg{of_trim}"
-        return f"{WIND_KNOWN}: {peak}; no control survives this wind with less"
+        return f"{WIND_KNOWN}: {peak}; {control} survives {wind} with less"
 
     def table(self, caption: str) -> Table:
         """Return the table of the peak, its certificate, and the numbers it is compared with.
