@@ -39,7 +39,7 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.kernels import trim_and_demand as marches
-from tvclin.kernels.choice import run
+from tvclin.kernels.choice import repeated, run
 from tvclin.requirement.varying_curves import Curves
 from tvclin.requirement.varying_equations import Equations, minimum_peaks
 from tvclin.winds.histories import History
@@ -362,11 +362,13 @@ def batch_requirements(
     counts = np.insert(counts, 0, steps_after(equations), axis=-1)
     required = np.full(count, np.nan)
     groups, group = np.unique(counts[finite], axis=0, return_inverse=True)
+    batches: list[IndexArray] = []
     for k in range(len(groups)):
         same_steps = finite[np.ravel(group) == k]
         batch_size = int(MAX_BATCH_STEPS // groups[k].sum()) + 1
-        for first in range(0, same_steps.size, batch_size):
-            cases = same_steps[first : first + batch_size]
+        batches += np.split(same_steps, range(batch_size, same_steps.size, batch_size))
+    with repeated(max(len(batches), 1)):
+        for cases in batches:
             batch = equations.of(cases), encountered.of(cases, count)
             required[cases] = varying_requirement(*batch, dead_band).required
     return required
