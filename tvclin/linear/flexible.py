@@ -479,7 +479,7 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
     Raises
     ------
     InputError
-        As `Plant.from_vehicle` and `FlexiblePlant.from_vehicle`.
+        For another type or model, and a structure that weighs more than the vehicle.
 
     Examples
     --------

@@ -60,9 +60,10 @@ def mode_table(caption: str, modes_by_model: Mapping[str, Modes]) -> Table:
     """
     rows: list[tuple[Line, ...]] = []
     for model, modes in modes_by_model.items():
+        upper = np.imag(modes.poles) >= 0.0
         columns = (modes.poles, modes.deflection_residues, modes.wind_residues)
-        upper = [mode for mode in zip(*columns, strict=True) if mode[0].imag >= 0.0]
-        for k, (pole, *residues) in enumerate(upper):
+        upper_modes = zip(*(column[upper] for column in columns), strict=True)
+        for k, (pole, *residues) in enumerate(upper_modes):
             key = f"poles.{model}.{k}"
             cells = (complex_number(f"{key}.{i}", residue) for i, residue in enumerate(residues))
             rows.append((("" if k else model,), upper_pole(key, pole), *cells))

@@ -350,21 +350,11 @@ class Plant(WithCoefficients):
     def tf(self, output: str = "attitude", input: str = "deflection") -> control.TransferFunction:
         """Return a transfer function as `control.TransferFunction`.
 
-        Parameters
-        ----------
-        output, input : str
-            Names of the signals, of `outputs` and of `inputs`.
-
-        Raises
-        ------
-        InputError
-            For a batch, and for signals that the model does not have.
-
-        Notes
-        -----
         From the deflection to the attitude it is -(beta^2/B)/(s^2 - beta^2) for eq (5) and
         -(beta^2/B)(s + b1)/(s (s^2 - beta^2)) for eq (B8), without damping. Ask for one pair of
         signals at a time: sums of transfer functions of one plant repeat its poles, `ss` does not.
+        `output`, `input`: names of the signals, of `outputs` and of `inputs`. `InputError` for a
+        batch, and for signals that the model does not have.
         """
         import control
 

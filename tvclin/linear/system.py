@@ -71,8 +71,8 @@ class LinearSystem:
         The inputs of `behind` are the outputs of this system, in its order.
         """
         matrices = state_space.series(self.matrices(), behind.matrices())
-        names = (self.inputs, behind.outputs, (*self.states, *behind.states))
-        return LinearSystem(*matrices, *names, self.period)
+        states = (*self.states, *behind.states)
+        return LinearSystem(*matrices, self.inputs, behind.outputs, states, self.period)
 
     def feedback(self, output: str, input: str) -> LinearSystem:
         """Return the system with an output added to an input, which stays an input as well.
@@ -120,7 +120,7 @@ class LinearSystem:
         """Return the systems at flat positions `index` ``(k,)`` of a batch of the shape `shape`."""
 
         def selected(array: FloatArray, size: tuple[int, ...]) -> FloatArray:
-            """Return the cases of an array of a batch and the size `size` behind it."""
+            """Return the selected cases of an array of the shape batch + size."""
             return np.broadcast_to(array, (*shape, *size)).reshape(prod(shape), *size)[index]
 
         period = None if self.period is None else selected(self.period, ())

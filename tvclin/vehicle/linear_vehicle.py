@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, ClassVar, Self, TypeAlias
@@ -127,12 +126,13 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     Parameters
     ----------
     source : str or path
-        As in `load_vehicle`.
+        Name of a vehicle of the package, or path of a file.
 
     Raises
     ------
     InputError
-        As `load_vehicle`, and where only some of the coefficients of the path are given.
+        For an unknown name, a file that cannot be read or has unknown or missing keys, and where
+        only some of the coefficients of the path are given.
 
     Examples
     --------
@@ -144,13 +144,26 @@ def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     document = source_tables(source)
     if COEFFICIENTS not in document or "vehicle" in document:
         return parse_vehicle(content, name)
+    table = COEFFICIENTS_TABLE
     with naming(called(name)):
         for key in document.keys() - {COEFFICIENTS}:
             raise InputError(
-                f"{shown(key)} cannot stand beside {COEFFICIENTS_TABLE.heading}, which is all"
-                " that is known of a vehicle"
+                f"{shown(key)} cannot stand beside {table.heading}, which is all that is known of a"
+                " vehicle"
             )
-        return _vehicle_from_table(COEFFICIENTS_TABLE.one(document))
+        values = table.read(table.one(document))  # in SI units, by name
+        by_beta = values.keys() & _BY_BETA  # beta and B
+        if by_beta and values.keys() & set(_SLOPES):  # mu_alpha and mu_delta
+            raise InputError(
+                f"{table.heading} must have mu_alpha and mu_delta, or beta and B, not some of each"
+            )
+        table.need(values, _BY_BETA if by_beta else _SLOPES)
+        path_known = bool(values.keys() & set(_PATH_COEFFICIENTS))  # C1, C2, b1, b2, q
+        if path_known:
+            table.need(values, _PATH_COEFFICIENTS)
+        coefficients = Coefficients.from_beta(**values) if by_beta else Coefficients(**values)
+        name = values.get("name", "")
+        return LinearVehicle(coefficients=coefficients, name=name, path_known=path_known)
 
 
 def coefficients_of(vehicle: AnyVehicle, plane: str = "pitch") -> Coefficients:
@@ -171,25 +184,3 @@ def complete_vehicle(vehicle: AnyVehicle, what: str) -> Vehicle:
     if isinstance(vehicle, LinearVehicle):
         raise InputError(incomplete_vehicle_message(what))
     return vehicle
-
-
-def _vehicle_from_table(row: Mapping[str, Any]) -> LinearVehicle:
-    """Return the vehicle of the table [coefficients], whose keys and values are `row`.
-
-    It holds mu_alpha and mu_delta, or beta and B; C1, C2, b1, b2 and q, or none of these five; and
-    perhaps damping and name. `InputError` for another choice.
-    """
-    table = COEFFICIENTS_TABLE
-    values = table.read(row)  # in SI units, by name
-    by_beta = values.keys() & _BY_BETA  # beta and B
-    if by_beta and values.keys() & set(_SLOPES):  # mu_alpha and mu_delta
-        raise InputError(
-            f"{table.heading} must have mu_alpha and mu_delta, or beta and B, not some of each"
-        )
-    table.need(values, _BY_BETA if by_beta else _SLOPES)
-    path_known = bool(values.keys() & set(_PATH_COEFFICIENTS))  # C1, C2, b1, b2, q
-    if path_known:
-        table.need(values, _PATH_COEFFICIENTS)
-    coefficients = Coefficients.from_beta(**values) if by_beta else Coefficients(**values)
-    name = values.get("name", "")
-    return LinearVehicle(coefficients=coefficients, name=name, path_known=path_known)

@@ -122,11 +122,11 @@ def read_vehicle_text(source: str | PathLike[str]) -> tuple[str, str]:
     if not looks_like_a_path and not exists(path):
         one_of("vehicle (or the path of a vehicle file)", text, list_vehicles())  # raises
     name = called(path)
-    start = f"write one with: tvclin init {name}, or a study file with: tvclin init --study {name}"
+    hint = f"write one with: tvclin init {name}, or a study file with: tvclin init --study {name}"
     if is_csv(path):
-        start = "tvclin init --keys lists the columns of a flight schedule"
+        hint = "tvclin init --keys lists the columns of a flight schedule"
     encodings = ENCODINGS if is_csv(path) else UTF_8
-    return read_text(path, "a vehicle file", start, encodings), text
+    return read_text(path, "a vehicle file", hint, encodings), text
 
 
 def source_tables(source: str | PathLike[str]) -> dict[str, Any]:

@@ -59,7 +59,7 @@ def gain_columns(
     Gains of zero are omitted, but not on attitude and rate. `variable`: name of the variable.
     `breakpoints`: its values ``(n,)`` in SI units. `gains`: gains by name, ``(n,)`` or constant.
     """
-    columns = [
+    columns = [  # axes () of a constant: one number for all breakpoints
         Column(name, np.asarray(gain), si_unit(GAINS[name]), () if np.ndim(gain) == 0 else None)
         for name, gain in gains.items()
         if name in _REQUIRED_GAINS or np.any(gain)

@@ -445,11 +445,12 @@ def lqr_gains(
             alpha_gain=0.0 - path,
             **options,
         )
+    on_gamma, *on_drift = on_path  # the drift rate is the speed times gamma
     return Autopilot(
         attitude_gain=on_attitude,
         rate_gain=on_rate,
-        drift_rate_gain=on_path[0] / float(np.asarray(plant.coefficients.velocity)),
-        drift_gain=on_path[1] if sensors.drift else 0.0,
+        drift_rate_gain=on_gamma / float(np.asarray(plant.coefficients.velocity)),
+        drift_gain=on_drift[0] if sensors.drift else 0.0,
         **options,
     )
 

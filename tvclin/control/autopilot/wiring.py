@@ -104,11 +104,12 @@ def open_loop(
     """
     # plant with sensors, actuator, and the sum of deflection and disturbance
     vehicle = plant_blocks(plant, autopilot.actuator, autopilot.lateral_sensors)
-    delay = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
-    delay_states = tuple(f"delay_{k}" for k in range(1, len(delay[0]) + 1))
+    A, B, C, D = pade_delay(float(autopilot.delay) if pade else 0.0, autopilot.pade_order)
+    states = tuple(f"delay_{k}" for k in range(1, len(A) + 1))
+    delay = LinearSystem(A, B, C, D, inputs=(COMMAND,), outputs=(_DELAYED,), states=states)
     blocks = [
         *(block.renamed({COMMAND: _DELAYED}) for block in vehicle),
-        LinearSystem(*delay, (COMMAND,), (_DELAYED,), delay_states),
+        delay,
         *autopilot_blocks(autopilot, plant),
     ]
     sensors = plant.sensed if sensor_noise else ()
@@ -313,8 +314,9 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
         if getattr(autopilot, name):
             _, filter_denominator = _chain(autopilot, name)
             denominator = polynomials.multiply(denominator, filter_denominator)
-    if autopilot.lateral_sensors.acceleration:
-        denominator = polynomials.multiply(denominator, _accelerometer(autopilot))
+    if autopilot.lateral_sensors.acceleration:  # times s + bandwidth
+        lag = np.array([1.0, autopilot.accelerometer_bandwidth])
+        denominator = polynomials.multiply(denominator, lag)
     # L is minus what returns, so that 1 + L = 0 is the closed loop.
     return Loop(
         numerator=polynomials.multiply(-numerator, actuator_numerator),
@@ -403,14 +405,9 @@ def _with_lateral(
         gain = np.asarray(autopilot.acceleration_gain)[..., np.newaxis] * sensors.bandwidth
         sensed = polynomials.multiply(gain * acceleration, sensor_denominator)
         sensed = polynomials.times_variable(sensed, integrators)
-        numerator = polynomials.multiply(numerator, _accelerometer(autopilot))
+        numerator = polynomials.multiply(numerator, np.array([1.0, sensors.bandwidth]))
         numerator = polynomials.add(numerator, sensed)
     return numerator
-
-
-def _accelerometer(autopilot: Feedback) -> FloatArray:
-    """Return the denominator s + bandwidth of the lag of an autopilot's accelerometer, ``(2,)``."""
-    return np.array([1.0, autopilot.accelerometer_bandwidth])
 
 
 def _chain(autopilot: Feedback, name: str) -> tuple[FloatArray, FloatArray]:

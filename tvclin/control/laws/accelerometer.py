@@ -98,9 +98,9 @@ class AccelerometerLaw(LinearLaw):
         """
         v, x = self.vehicle, self.station
         c = Coefficients.from_vehicle(v, self.plane)
-        alpha = v.normal_force_slope / v.mass + x * c.mu_alpha
-        deflection = v.control_force / v.mass - x * c.mu_delta
-        return float(alpha), float(deflection), float(-x * c.damping)
+        n_alpha = v.normal_force_slope / v.mass + x * c.mu_alpha
+        n_delta = v.control_force / v.mass - x * c.mu_delta
+        return float(n_alpha), float(n_delta), float(-x * c.damping)
 
     @property
     def gain(self) -> float:

@@ -117,10 +117,12 @@ class RecoverableAttitudeLaw(Law):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Parameters for compiled flights: factors of both coordinates, and numbers of the lean.
+        """Parameters for compiled flights: factors of both coordinates, and limits of the lean.
 
         The coordinates [rad] of the fast and, with drift, of the slow unstable mode are sums of
-        attitude, its rate and flight path angle, with the factors of a left eigenvector.
+        attitude, its rate and flight path angle, with the factors of a left eigenvector. The lean
+        is the attitude into the wind that the law follows, at most the fraction `reach` of the
+        recoverable set, and what the design peak requires.
         """
         modes = measured_coordinates(self.plant)
         # A row of two on a fixed path has a zero for the flight path angle.

@@ -419,6 +419,7 @@ class SampledLoop(Loop):
         delayed_form = self.delayed_form  # loops by delays below a period, and their indices
         if not margins.shape[1] or delayed_form is None:
             return margins
+        # one entry for each crossover of a stable loop: index of the loop, frequency w, margin
         case, column = np.nonzero(stable[:, np.newaxis] & np.isfinite(margins))
         h, delay = self.period.ravel()[case], self.loop_delay.ravel()[case]
         w, margin = omega[case, column], margins[case, column]
@@ -511,7 +512,7 @@ class SampledLoop(Loop):
     def _z(self, w: AnyArray) -> AnyArray:
         """Return z = (1 + w h/2)/(1 - w h/2), ``(k, m)``, h being the sample period of a loop.
 
-        `w`: variable of the form [1/s], ``(k, m)``, a row for each of k loops.
+        `w`: variable of L [1/s], ``(k, m)``, a row for each of k loops.
         """
         half = 0.5 * self.period.reshape(-1, 1)
         return (1.0 + w * half) / (1.0 - w * half)

@@ -90,8 +90,7 @@ class CovarianceHistory(GaussianOutputs):
     def largest(self, sigmas: float = 3.0, output: str = DEFLECTION) -> tuple[float, float]:
         """Return the largest ``|mean|`` + `sigmas` deviations of an output, and its time [s].
 
-        `InputError` for an unknown output and a number of standard deviations beyond 0
-        to 10.
+        `InputError` for an unknown output and a number of standard deviations beyond 0 to 10.
         """
         k = errors.number("sigmas", sigmas, errors.between(0.0, 10.0))
         sizes = np.abs(self.mean(output)) + k * self.deviation(output)
@@ -207,8 +206,12 @@ def turbulence_history(
 
     Parameters
     ----------
-    autopilot, plant, turbulence, speed, altitude, noise, loads
-        As in `turbulence_covariance`; an unstable loop has a covariance that grows.
+    autopilot, plant, turbulence
+        One each; an unstable loop has a covariance that grows.
+    speed, altitude : float
+        Airspeed [m/s], and altitude [m] for turbulence that is a table.
+    noise, loads : SensorNoise, LoadSlopes, optional
+        White noise of the sensors, and slopes of loads for further outputs.
     duration : float
         Time [s] from 0 on.
     wind : History, optional
