@@ -294,8 +294,7 @@ class LoadLimits:
         """
         jumped = 0.0
         if self.case.ratio == 0.0:
-            wind = self.case.wind
-            knots = wind.knots
+            wind, knots = self.case.wind, self.case.wind.knots
             jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
             jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
         if not self._programmed:
@@ -317,14 +316,12 @@ class LoadLimits:
         """Minimum load [rad] of controls on successively finer nodes, and its lower bound [rad].
 
         The line below all peaks of a program, peak >= bound - slope load, gives the lower bound,
-        for no peak is above `_MAX_DEFLECTION`. At most five programs are solved, each on the finer
-        nodes of the one before.
+        for no peak is above `_MAX_DEFLECTION`. Of five programs each has finer nodes.
         """
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf
         for _ in range(5):
-            solved = program.solve(LOAD, _MAX_DEFLECTION)
-            if solved is None:
+            if (solved := program.solve(LOAD, _MAX_DEFLECTION)) is None:
                 break
             self.points.append((solved.load, solved.peak))
             self.lines.append((solved.bound, solved.slope))
@@ -379,8 +376,7 @@ class LoadLimits:
                     break
                 proof, _ = self._proved(load)
                 peak = min(multiple * proof, _MAX_DEFLECTION)
-                solved = program.solve(LOAD, peak)
-                if solved is None:
+                if (solved := program.solve(LOAD, peak)) is None:
                     break
                 self.points.append((solved.load, solved.peak))
                 program = LoadProgram(self.case, solved.finer)
@@ -399,8 +395,7 @@ class LoadLimits:
             limit, (proof, _) = self._attained(load), self._proved(load)
             if limit - proof <= RELATIVE_GAP * proof:
                 break
-            solved = program.solve(PEAK, bound)
-            if solved is None:
+            if (solved := program.solve(PEAK, bound)) is None:
                 return False
             self.points.append((solved.load, solved.peak))
             self.lines.append((solved.bound, solved.slope))
@@ -576,7 +571,7 @@ def load_trade_off(
         Largest deflection rate [rad/s]; none by default.
     moment_ratio : float
         M: the load is alpha + M delta. Of a bending moment M_alpha alpha + M_delta delta it is
-        M_delta/M_alpha, and the bounds are those of the moment over M_alpha.
+        M_delta/M_alpha, and the bounds are of the moment over M_alpha.
 
     Returns
     -------

@@ -300,7 +300,7 @@ def _at_limit(
 ) -> RateTradeOff | None:
     """Return the trade-off at the limit, or else at the required deflection, with its rate.
 
-    `trade_off`: that of the case with its limit. None where neither is a deflection above zero.
+    `trade_off`: of the case with its limit. None where neither is a deflection above zero.
     """
     if trade_off.limit is not None:
         return trade_off

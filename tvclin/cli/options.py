@@ -1,4 +1,4 @@
-"""Options that several commands share, options made of declared fields, and those of a law."""
+"""Options that several commands share, options made of declared fields, and options of a law."""
 
 from collections.abc import Callable, Mapping
 from copy import copy

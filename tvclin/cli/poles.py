@@ -31,8 +31,8 @@ def poles(
 
     A vehicle file with bending, slosh or engine inertia has a second table: the poles of the
     coupled vehicle, with frequency and damping of each mode. --system writes the plant of one
-    model, --model or that of the case, with all of these; --set study.rigid true leaves them out.
-    The poles of the loop closed by an autopilot are those of tvclin margins --more.
+    model, --model or the case's, with all of these; --set study.rigid true leaves them out.
+    tvclin margins --more prints the poles of the loop closed by an autopilot.
     """
     from tvclin import plots
 

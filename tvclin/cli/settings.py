@@ -74,8 +74,8 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
     """Return a command with the option --set, which edits keys of its study or vehicle file.
 
     `name`: name of the command. A command that reads no such file is returned unchanged. The option
-    stands before those of the output; typer reads it from the signature. An azimuth is set in the
-    source too, for the winds of its file that have a direction.
+    stands before the options of the output; typer reads it from the signature. An azimuth is set in
+    the source too, for the winds of its file that have a direction.
     """
     parameters = signature(command).parameters
     source = next(filter(None, map(_source_name, parameters.values())), None)

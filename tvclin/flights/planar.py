@@ -12,7 +12,7 @@ engines turn, their thrust, the control force, replaces T in the terms of delta.
 
 States are deviations from a nominal flight, so that zero is a solution. Parameters are frozen, as
 in the linear theory, or vary along the nominal flight. In the yaw plane the component of gravity
-across the path is that of a turned path, W sin(Theta_n) sin(sigma), and Theta, gamma are the yaw
+across the path is of a turned path, W sin(Theta_n) sin(sigma), and Theta, gamma are the yaw
 angle and the heading of the path. The report has no damping M_q; it is constant, as the inertia
 is.
 """
@@ -102,9 +102,9 @@ class PlanarMotion:
         """Return the derivatives of the states `x` at a time `t` [s], ``(n,)``.
 
         The states are deviations from the nominal flight: attitude [rad], its rate [rad/s], flight
-        path angle [rad], relative speed, altitude [m] and those of the sensors. `deflection`:
+        path angle [rad], relative speed, altitude [m] and the sensors' states. `deflection`:
         deflection minus the nominal one [rad]. `gust`: wind angle of attack [rad] relative to the
-        nominal flight. Forces of the air are those of the vehicle times `ratio`, q/q_n.
+        nominal flight. Forces of the air are the vehicle's times `ratio`, q/q_n.
         """
         now = self._nominal_state(t)
         alpha, speed = self._air(now, x, gust)
@@ -220,7 +220,7 @@ class PlanarMotion:
         return across / (now.mass * speed), along / now.mass
 
     def _ratio(self, speed: Any, altitude: Any) -> Any:
-        """Return the dynamic pressure q/q_n, over that of the vehicle's coefficients.
+        """Return the dynamic pressure q/q_n, over the nominal one of the vehicle's coefficients.
 
         `speed`: air speed [m/s]. `altitude`: altitude [m].
         """

@@ -115,7 +115,7 @@ class Pieces:
 def flat_batch(array: AnyArray, trailing: int, kind: Any) -> AnyArray:
     """Return an array with its batch on one axis, C-contiguous and writeable as kernels expect.
 
-    `array`: ``(..., *shape)``. `trailing`: number of the last axes, those of `shape`, which stay.
+    `array`: ``(..., *shape)``. `trailing`: number of the last axes, as in `shape`, which stay.
     `kind`: dtype of the result.
     """
     single = array.ndim == trailing

@@ -251,7 +251,7 @@ def _draw_boundaries(
     """Return the figure of the boundary over tau*beta in rectangular and triangular winds.
 
     `name`: name of its numbers. `title`: title. `tau_beta`: abscissas, positive; None for the usual
-    ones. `dead_bands`: K, a curve each. `coefficients`: those of a vehicle with drift; None on a
+    ones. `dead_bands`: K, a curve each. `coefficients`: of a vehicle with drift; None on a
     fixed path. K1 is the report's fraction of the wind that counts with drift, eq (15b); b1 and b2
     [1/s] are the zeros from deflection and from wind to attitude, eq (B7).
     """
@@ -508,7 +508,7 @@ def _panel(
     """Return the curves of boundary limits y_BR for one dead band, by equations and by flights.
 
     `panel`: heading. `name`: name of the vehicle. `K`: the dead band. `x`: durations tau beta,
-    ``(n,)``. `durations`: those of flights with a frozen vehicle, and along the flight. `engine`:
+    ``(n,)``. `durations`: of flights with a frozen vehicle, and along the flight. `engine`:
     name of the engine of flights. Flights have values at their durations alone, NaN elsewhere; the
     planar engine also flies a frozen vehicle at the durations along the flight.
     """

@@ -494,7 +494,7 @@ def _attitudes(
 def _name(factor: float, flown: bool = False) -> str:
     """Return the label of a curve by its factor on the boundary limit.
 
-    `flown`: whether it is that of a flight.
+    `flown`: whether a flight has it.
     """
     theory = "y_BR (boundary)" if factor == 1.0 else f"{factor:g} y_BR"
     return f"{theory}, flown" if flown else theory

@@ -115,7 +115,7 @@ def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: in
 def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> FloatArray:
     """Return the response of n states to a linear deflection in a part of a sample, `Steps.ramp`.
 
-    The deflection is a + (b - a) t/h, and the columns are those of a and b, ``(p, parts, n, 2)``;
+    The deflection is a + (b - a) t/h, and the columns are of a and b, ``(p, parts, n, 2)``;
     of a plant with the input deflection_acceleration also of the rates before and after, ``(p,
     parts, n, 4)``. `ramp`: result of `with_ramp`. `parts`: lengths h [s], ``(p, parts)``; a part of
     no length has no response.

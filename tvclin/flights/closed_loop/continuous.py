@@ -75,7 +75,7 @@ class Loop:
 
     `limit`, `rate_limit`: limits of the deflection [rad] and its rate [rad/s]. `actuator`: actuator
     between command and deflection. `gain`: factor on the demand of the law. `gust`: function from
-    times [s] to wind angles [rad]. The states are those of the vehicle, of the nozzle and of the
+    times [s] to wind angles [rad]. The states are of the vehicle, of the nozzle and of the
     law, in this order.
     """
 
@@ -172,7 +172,7 @@ class Loop:
         return regime.mode * self.limit if regime.mode else self.demand(states, measured)
 
     def deflection(self, states: FloatArray, measured: Measurement, mode: float) -> Any:
-        """Return the deflection [rad]: that of the actuator, or else the limited command.
+        """Return the deflection [rad]: the actuator's, or else the limited command.
 
         `states`: all states of the loop, ``(n, ...)``. `measured`: measurements of the law. `mode`:
         sign of the full limit that the law commands, or zero.
@@ -200,7 +200,7 @@ class Loop:
     def rates(self, t: float, states: FloatArray, regime: Regime) -> FloatArray:
         """Return the derivatives of all states at a time `t` [s], ``(n,)``.
 
-        `regime`: active limits of law and nozzle. The states are those of the vehicle, the nozzle
+        `regime`: active limits of law and nozzle. The states are of the vehicle, the nozzle
         and the law, in this order. `InputError` for a command that is not finite.
         """
         order = self.order
@@ -285,7 +285,7 @@ def regime_after_jump(loop: Loop, t: float, states: FloatArray, regime: Regime) 
 def ends_of(loop: Loop, regime: Regime) -> list[End]:
     """Return the events that can end a regime, in which the active limits stay the same.
 
-    They are those of the law, of the rate limit if there is one, and of the deflection limit for a
+    They are events of the law, of the rate limit if there is one, and of the deflection limit for a
     nozzle with two states (`servo`), which is of second order: of first order it never overshoots.
     """
     ends = [_mode_end(loop, regime, sign) for sign in _signs(regime.mode)]

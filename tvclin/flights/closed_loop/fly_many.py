@@ -289,7 +289,7 @@ def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
     """Return the function from deflection limits [rad], ``(n,)``, to the status of their flights.
 
     `flight`: batch of one flight, whose own limit is not used. Its matrices are computed once; the
-    outcomes are those of `fly_many` for limits that are positive and within 90 degrees.
+    outcomes are as of `fly_many` for limits that are positive and within 90 degrees.
     """
     if not np.all(decidable(flight.plant)):
         return lambda limits: np.full(limits.shape, NO_FLIGHT)

@@ -1,6 +1,6 @@
 """Laws of a batch of sampled flights: their numbers and filters for the kernel.
 
-A law between samples is its gains, the states of its filters and those of its controller; with the
+A law between samples is its gains, the states of its filters and of its controller; with the
 sensors' outputs y and the demand d, the states of the next sample are x+ = F [x, y, d].
 """
 
@@ -195,7 +195,7 @@ def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: i
     `system`: the law in state space. `chains`: filters of the sensors and the demand. `lengths`:
     lengths of the steps [s], ``(m,)``. The law's states precede the states of each chain. The
     output of a controller in state space takes the place of the attitude among the law's inputs.
-    The rows are those of x+ = F [x, sensors, demand], then of the law's inputs, then of the
+    The rows are of x+ = F [x, sensors, demand], then of the law's inputs, then of the
     filtered demand.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)

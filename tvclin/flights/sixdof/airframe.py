@@ -259,7 +259,7 @@ class Prediction:
         return plain if self._lateral is None else self._lateral.measured(plain)
 
     def after_step(self, deflection: float, angle: float, nominal: Row) -> Row:
-        """Return the outputs after a step, minus those of the nominal flight, and update the state.
+        """Return the outputs after a step, minus the nominal outputs, and update the state.
 
         `deflection`: deflection [rad], and `angle`: wind angle [rad] in the step. `nominal`:
         outputs of the nominal flight at its end, a `Row`: attitude, its rate, path angle, angle of
@@ -435,7 +435,7 @@ class Airframe:
         trajectory: FloatArray | None,
         sensors: LateralSensors,
     ) -> FloatArray:
-        """Return the outputs of a flight at m samples, minus those of the nominal one, ``(m, 7)``.
+        """Return the outputs of a flight at m samples, minus the nominal outputs, ``(m, 7)``.
 
         A row is a `Row`. JSBSim is reset first. The flight ends after the first attitude beyond 25
         deg or that is not finite. `steering`: function of the deflection. `speeds`, `angles`: wind

@@ -199,7 +199,7 @@ def _aerodynamics(root: Element, vehicle: Vehicle, load: Tree) -> None:
 
     In body axes x is forward, y to the right and z down; the normal force is proportional to the
     angles of sideslip and of attack, atan(v/u) and atan(w/u) of the air speed. `load`: formula of
-    the dynamic pressure over that of the vehicle's forces.
+    the dynamic pressure over the nominal one of the vehicle's forces.
     """
     aerodynamics = SubElement(root, "aerodynamics")
     slope = -float(vehicle.normal_force_slope) / POUND_FORCE

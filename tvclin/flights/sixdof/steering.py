@@ -197,7 +197,7 @@ class LateralMotion:
         self._acceleration = self._force = self._last_force = 0.0
 
     def measured(self, plain: Measurement) -> Measurement:
-        """Return the measurements at the end of the next step with those of lateral motion.
+        """Return the measurements at the end of the next step, of lateral motion too.
 
         Measurements without a sensor are zero; the force is extrapolated from the last two steps.
         `plain`: the predicted measurements without them.
