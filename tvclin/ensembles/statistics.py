@@ -58,7 +58,10 @@ class Quantile(Shown):
 
     @property
     def min_cases(self) -> int:
-        """Size n of the smallest sample that bounds the quantile above: 1 - p^n is c or more."""
+        """Size n of the smallest sample that bounds the quantile above, 1 - p^n >= c.
+
+        p is the probability of the quantile, and c the confidence of the bound.
+        """
         sure = 1.0 - self.confidence + _PROBABILITY_TOLERANCE
         return int(np.ceil(np.log(sure) / np.log(self.probability)))
 

@@ -272,7 +272,10 @@ def requirement(study: Study) -> Line:
     elif not study.beyond_linear:
         required = minimum_limit(degrees("verdict.required", study.required_deflection, unit="deg"))
         basis = f" (model {study.model}, dead band {study.dead_band:g}{switch}{air})"
-        line = ("Required deflection: ", *required, f"{basis}, {_governed(study)}")
+        reason = "none is needed" if study.governs == Reason.NOTHING else f"set by {study.governs}"
+        if study.judges_both_planes:
+            reason = f"of both planes, {study.governs}"
+        line = ("Required deflection: ", *required, f"{basis}, {reason}")
     if study.survivable_peak is None:
         insufficient = study.limit is not None and study.sufficient is False
         return (*line, f"; the limit is too small {NOMINAL} too") if insufficient else line
@@ -340,13 +343,6 @@ def _survived(study: Study, limit: float, judged: list[float]) -> list[float]:
             for column in ((study.trim_deflection, *by_dead_band), bounds)
         )
     return [*above, *judged, *below]
-
-
-def _governed(study: Study) -> str:
-    """Return words for the reason that sets the required deflection."""
-    if study.judges_both_planes:
-        return f"of both planes, {study.governs}"
-    return "none is needed" if study.governs == Reason.NOTHING else f"set by {study.governs}"
 
 
 def _typed(name: str, angle: Any, unit: str = "deg") -> Line:

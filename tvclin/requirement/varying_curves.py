@@ -65,7 +65,10 @@ class Curves:
         return _parabola(self.trim[case, step], u)
 
     def demand_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
-        """Return the demand [rad] of cases at positions in steps, by Hermite's cubic."""
+        """Return the demand [rad], the limit sufficient when held from then on, by Hermite's cubic.
+
+        `case`, `position`: index of the wind, and position in steps, of each value.
+        """
         step, u = self._step(position)
         length = self.times[case, step, 2] - self.times[case, step, 0]
         return _cubic(self.demand[case, step], self.demand_slope[case, step], length, u)
@@ -102,9 +105,9 @@ class Curves:
 
     @property
     def highest_limit(self) -> FloatArray:
-        """A limit [rad] that the law never reaches, ``(n,)``.
+        """A limit [rad] that the ideal trim law never reaches, ``(n,)``.
 
-        It is above all trim, and above the demand at the end, when the law may hold it for ever.
+        It is above all trim, and above what must be held from the end of the wind on.
         """
         largest = np.maximum(self.largest_trim, np.abs(self.demand[:, -1, 2]))
         return np.asarray(largest * _UNLIMITED_OVER_TRIM)
@@ -142,10 +145,11 @@ class Curves:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) of either sign [rad], and its time [s]: K = 1.
 
-        Both are ``(n,)``. The largest is at the begin, the middle or the end of a step, at the
-        vertex of the parabola of trim, or at a crossing of both curves. `paired`: where two
-        unstable modes are a pair, so that trim must never be limited and counts alone, ``(n, S,
-        3)``. `sign`: sign of the trim that counts, by default either.
+        Both are ``(n,)``. The demand is the limit sufficient when held from then on. The largest is
+        at the begin, the middle or the end of a step, at the vertex of the parabola of trim, or at
+        a crossing of both curves. `paired`: where two unstable modes are a pair, so that trim must
+        never be limited and counts alone, ``(n, S, 3)``. `sign`: sign of the trim that counts, by
+        default either.
         """
         lower = smaller(self.trim, self.demand, sign)
         if np.any(paired):
@@ -168,7 +172,8 @@ class Curves:
     def _crossings(self, case: IndexArray, step: IndexArray) -> tuple[IndexArray, FloatArray]:
         """Return the cases and positions in steps at which trim crosses the demand.
 
-        `case`, `step`: pairs of the index of a wind and of a step, in which crossings are searched.
+        The demand is the limit sufficient when held from then on. `case`, `step`: pairs of the
+        index of a wind and of a step, in which crossings are searched, one in each half.
         """
         gap = self.trim[case, step] - self.demand[case, step]  # at begin, middle and end
         which, half = np.nonzero(gap[:, :-1] * gap[:, 1:] < 0.0)  # half of the step: 0 or 1
@@ -192,21 +197,23 @@ class Curves:
     def _largest_demand(self, sign: float | None) -> FloatArray:
         """Return an upper bound of the demand in each step [rad], ``(n, S)``.
 
+        The demand is the limit sufficient when held from then on, a cubic by end values and slopes.
         `sign`: sign of the demand that counts; with None its size counts.
         """
         begin, end = self.demand[..., 0], self.demand[..., 2]
         ends = np.maximum(np.abs(begin), np.abs(end))
         if sign is not None:
             ends = np.maximum(sign * begin, sign * end)
+        # a slope of one at an end adds at most this fraction of the length of the step
         slopes = np.abs(self.demand_slope).sum(axis=-1)
         return np.asarray(ends + _SLOPE_FRACTION * self._lengths * slopes)
 
     def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.
 
-        Both are ``(n,)``; the limit is NaN for a wind of two signs. The limit is the demand where
-        trim, at a new maximum, is K times the demand, and leaves the dead band; of several
-        solutions the last has the largest limit. With K = 0 the exit is the onset of the wind.
+        Both are ``(n,)``; the limit is NaN for a wind of two signs. The limit is the demand, the
+        limit sufficient when held, where trim, at a new maximum, is K times it, and leaves the dead
+        band; of several solutions the last has the largest limit. With K = 0 the exit is the onset.
         """
         if dead_band == 0.0:
             limit = self.sign * self.demand[:, 0, 0]

@@ -352,7 +352,7 @@ class AvailabilityRequest:
         errors.instance("flight", self.flight, FlightSchedule, "see load_schedule")
         _check_usable(self.soundings)
         checked(self)
-        sounding_winds.growth_of(self.persistence)
+        sounding_winds.growth_of(self.persistence)  # raises for a wrong one
 
     def availability(
         self,

@@ -447,7 +447,7 @@ def interval(record: Availability) -> str:
 def placard(record: Availability) -> Table:
     """Return the table of the limits [deg] that fractions of the judged soundings require.
 
-    `record`: availability; its rows are the fractions `PLACARD`, its columns the azimuths.
+    `record`: availability. The rows are the fractions, from 50 to 99 percent, the columns azimuths.
     """
     rows: list[tuple[Line, ...]] = []
     for fraction, limits in zip(PLACARD, np.atleast_2d(record.placard()).T, strict=True):

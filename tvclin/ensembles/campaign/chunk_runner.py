@@ -252,8 +252,8 @@ def run_campaign(
     instance("campaign", campaign, Campaign, "see load_campaign")
     if compiled is not None:
         flag("compiled", compiled)
-    arrow()
-    nominal(campaign)
+    arrow()  # raises where pyarrow is not installed
+    nominal(campaign)  # raises where not even the nominal case has an answer
     return _work(begin(campaign, target, compiled), target, executor, shard, progress)
 
 

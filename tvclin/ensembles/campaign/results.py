@@ -220,7 +220,7 @@ class CampaignResults(Tabled):
         confidence : float, optional
             Confidence of the interval; by default the value of the campaign.
         """
-        return self._flight_probability(False, confidence)
+        return self._flight_probability(lost=False, confidence=confidence)
 
     def loss(self, confidence: float | None = None) -> statistics.Success | None:
         """Return the probability that a flight is lost; None where nothing was flown.
@@ -230,7 +230,7 @@ class CampaignResults(Tabled):
         confidence : float, optional
             Confidence of the interval; by default the value of the campaign.
         """
-        return self._flight_probability(True, confidence)
+        return self._flight_probability(lost=True, confidence=confidence)
 
     def _flight_probability(
         self, lost: bool, confidence: float | None

@@ -442,9 +442,9 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
     requirements = frozen_requirements(
         inputs.schedule.plants(times, inputs.model, inputs.plane),
         [winds[i].history for i in not_calm],
-        bands,
-        inputs.law,
-        [winds[i].two_sided for i in not_calm],
+        dead_bands=bands,
+        law=inputs.law,
+        two_sided=[winds[i].two_sided for i in not_calm],  # with the angles of both signs
     )
     for wind in winds:
         if wind.calm:

@@ -214,8 +214,8 @@ class DeflectionTotal(Shown):
     def sufficient(self) -> bool | None:
         """Whether the limit covers the total and the reserve, at the available rate.
 
-        None without a limit, and where it is sufficient at the flight times that are known and
-        others are not known.
+        Without a limit False where the rate limit is too low, else None. None also where the limit
+        is sufficient at the flight times that are known, and others are not known.
         """
         if self.limit is None:
             return False if self.too_slow else None
