@@ -411,7 +411,7 @@ def _speeds(
     )
 
     def by_plane(wind: WindProfile | None) -> dict[str, FloatArray]:
-        """Return the speeds of a wind along the flight and across it, over that of the vehicle."""
+        """Return the speeds of a wind along the flight and across it, over the vehicle's speed."""
         if wind is None:
             return dict.fromkeys(PLANES, np.zeros(time.shape))
         along, across = wind.in_plane(azimuth), wind.cross_plane(azimuth)

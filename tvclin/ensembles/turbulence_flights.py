@@ -237,7 +237,7 @@ def fly_turbulence_along(
     model, plane : str
         Model of the plant, and plane of the motion, pitch or yaw.
     start, stop : float, optional
-        First and last time [s] of the flights in turbulence; by default those of the schedule.
+        First and last time [s] of the flights in turbulence; by default the schedule's.
     wind : History, optional
         The known wind [rad] over the time of flight; by default none.
     runs, seed : int

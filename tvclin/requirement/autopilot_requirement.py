@@ -121,8 +121,8 @@ def head_wind_boundary(
 ) -> ClosedLoopBoundary | None:
     """Return the boundary of an autopilot at the peak of a head wind; None if not flown.
 
-    `need`: requirement of the wind of `case`. `plane_ratio`: limit of both planes over that of this
-    plane. None also where the dynamic pressure is not known.
+    `need`: requirement of the wind of `case`. `plane_ratio`: limit of both planes over the
+    limit of this plane. None also where the dynamic pressure is not known.
     """
     if not counts_head(need):
         return None
@@ -137,8 +137,8 @@ def autopilot_boundary(
 ) -> ClosedLoopBoundary:
     """Return the boundary of an autopilot, flown with the hardware and the wind of a case.
 
-    `plant`: vehicle to be flown. `plane_ratio`: limit of both planes over that of this plane, by
-    which the limit of the nozzle, up to which limits are tried, is divided.
+    `plant`: vehicle to be flown. `plane_ratio`: limit of both planes over the limit of this plane,
+    by which the limit of the nozzle, up to which limits are tried, is divided.
     """
     highest_limit = (case.nozzle.limit or 0.0) / plane_ratio  # [rad]
     law = SaturatedLaw.of(autopilot)

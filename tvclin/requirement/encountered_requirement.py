@@ -208,8 +208,8 @@ def largest_measured_pressure(case: Case) -> float:
 def uses_encountered_pressure(sign: str | None) -> bool:
     """Return whether measured winds count at the dynamic pressure encountered.
 
-    `sign`: None, or `FROZEN` for the nominal one. `InputError` for another sign: that of a measured
-    wind follows from its direction.
+    `sign`: None, or `FROZEN` for the nominal one. `InputError` for another sign: the sign of a
+    measured wind follows from its direction.
     """
     if isinstance(sign, str) and sign in SIGNS:
         raise InputError(f"measured winds have their own sign: leave sign, or take {FROZEN}")

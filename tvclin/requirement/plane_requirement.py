@@ -221,8 +221,8 @@ def direction_notes(
 def omitted_fraction(separate: ArrayLike, both_planes: ArrayLike) -> FloatArray:
     """Return the fraction of the requirement of both planes that one plane alone omits.
 
-    `separate`: requirement of the plane by itself [rad]. `both_planes`: that of both, in any shapes
-    that broadcast. Zero where that is zero, NaN where it is NaN.
+    `separate`: requirement of the plane by itself [rad]. `both_planes`: in both [rad], in any
+    shapes that broadcast. Zero where that is zero, NaN where it is NaN.
     """
     plane, planes = np.asarray(separate, dtype=float), np.asarray(both_planes, dtype=float)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -235,7 +235,7 @@ class _Judged(NamedTuple):
 
 
 def _judged(study: Study) -> list[_Judged]:
-    """Return the rows of required deflections that are not those of a dead band.
+    """Return the rows of required deflections that belong to no dead band.
 
     They are for both planes, for each direction of the wind, and, where the switch is that of the
     report, for the dead band of the verdict. The peak that the limit survives is NaN for a

@@ -424,7 +424,7 @@ def _of_flights(
 def _at_substeps(values: FloatArray) -> FloatArray:
     """Return values at begin, middle and end of the `FLIGHT_SUBSTEPS` of steps, ``(n, S, 3)``.
 
-    `values`: those of the steps, ``(n, S, 3)``, between which they are parabolas.
+    `values`: at the steps, ``(n, S, 3)``, between which they are parabolas.
     """
     u = (np.arange(FLIGHT_SUBSTEPS)[:, np.newaxis] + [0.0, 0.5, 1.0]).ravel() / FLIGHT_SUBSTEPS
     weights = [(2.0 * u - 1.0) * (u - 1.0), 4.0 * u * (1.0 - u), (2.0 * u - 1.0) * u]

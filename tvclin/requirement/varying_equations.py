@@ -73,7 +73,7 @@ class UnstableModes:
         ----------
         end : ndarray
             Costate and control reach of the fastest mode, ``(n, m + 1)``: over the rest of a
-            flight, which varies, they differ from those of its left eigenvector.
+            flight, which varies, they differ from the left eigenvector's.
         column : ndarray
             Column b of the deflection, ``(n, m)``.
         """
@@ -289,7 +289,7 @@ class Equations:
         """Return the equations of selected cases."""
 
         def selected(x: Any) -> Any:
-            """Return the rows of the cases, or the one row that all cases share."""
+            """Return the rows of the cases, or a single row that all cases share."""
             return x if len(x) == 1 else x[cases]
 
         modes = (modes if len(self.end) == 1 else modes.of(cases) for modes in self.modes)

@@ -141,7 +141,7 @@ class _Elements:
     at: int = 0
 
     def next(self) -> tuple[int, memoryview]:
-        """Return data type and bytes of the next element, and go on to the one after it.
+        """Return data type and bytes of the next element, and move past it.
 
         Up to four bytes stand in the tag itself, whose upper half is then their number; elements
         other than matrices are padded to whole tags.

@@ -184,8 +184,8 @@ class Availability(Tabled):
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
         """Return the fractions of all soundings that fly, one result for each of m limits.
 
-        `limits`: deflection limits [rad] in place of the one of the nozzle, ``(m,)``. Each result
-        is that of `fraction` for all soundings.
+        `limits`: deflection limits [rad] instead of the nozzle's, ``(m,)``. Each result is as
+        `fraction` returns it for all soundings.
         """
         all_soundings = np.ones(len(self.soundings), dtype=bool)
         row = errors.small_angle("a deflection", errors.nonnegative)(

@@ -412,7 +412,7 @@ class SoundingWinds:
         """Return winds [m/s] at heights [m], ``(n, k)``; beyond the levels they are constant.
 
         `wind`: winds at the levels of all soundings, in the order of `height` of this record. Each
-        sounding's heights are shifted beyond the heights of the one before, so that one call of
+        sounding's heights are shifted beyond the heights of the previous, so that one call of
         `np.interp` serves all.
         """
         shifts = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
@@ -525,7 +525,7 @@ def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArra
     """Return values interpolated linearly at times `at` [s], ``(n, j)``.
 
     `times`, `values`: n rows of ascending times [s] and values at them, ``(n, k)``. Rows are
-    shifted, each beyond the one before, so that one call of `np.interp` serves all.
+    shifted, each beyond the row before it, so that one call of `np.interp` serves all.
     """
     shifts = (1.0 + times.max() - times.min()) * np.arange(times.shape[0])[:, np.newaxis]
     return np.interp((at + shifts).ravel(), (times + shifts).ravel(), values.ravel()).reshape(

@@ -93,7 +93,7 @@ class FlightPlan:
         follow.
     start, stop : float, optional
         Ends of the flights [s], by default the onset of the wind and the end of the flight. A
-        sounding that is not known from the one to the other is survived in no case.
+        sounding that is not known throughout is survived in no case.
 
     Raises
     ------
@@ -242,7 +242,7 @@ class Campaign(Case):
         Case i is drawn from the seed and i alone.
     outputs : tuple of str
         Outputs computed for each case: "required" (`required_deflection` at each dead band),
-        "forecast-free" (the lower bound without a forecast), "minimum" (that of appendix C),
+        "forecast-free" (the lower bound without a forecast), "minimum" (of appendix C),
         "margins" (whether the loop of the autopilot is stable, its margins, and the peak of each
         mode of a flexible vehicle),
         "flight" (survival and peaks of a flight of the law with its nozzle), "flown" (the boundary
@@ -452,7 +452,7 @@ class Campaign(Case):
 def checkpoints(chunks: int) -> Iterator[int]:
     """Yield the numbers of finished chunks after which convergence is checked.
 
-    Each number is a tenth larger than the one before, so that checks cost a fraction of the work.
+    Each number is a tenth larger than the previous, so that checks cost a fraction of the work.
     `chunks`: number of chunks of the campaign, the last that is yielded.
     """
     end = 0

@@ -101,7 +101,7 @@ class Replay:
         The switch is the exit of the dead band. `capability`: deflection limit normalised by the
         required deflection, positive; above 1 the constant limit drives the attitude away in the
         opposite direction. `points`: number of times, from the onset of the wind to twice its
-        duration. `plane`: pitch or yaw, empty for that of the campaign. `InputError` when the case
+        duration. `plane`: pitch or yaw, empty for the campaign's. `InputError` when the case
         is impossible, or requires no deflection.
         """
         batch = self._plane(plane).batch
@@ -243,7 +243,7 @@ class Replay:
         """Return the flight with limits, at the samples of its law.
 
         It ends 20 time constants of the fastest unstable pole after the wind. `plane`: pitch or
-        yaw, empty for that of the campaign. `InputError` when the case is impossible, or the
+        yaw, empty for the campaign's. `InputError` when the case is impossible, or the
         campaign flies nothing.
         """
         replayed = self._plane(plane)

@@ -237,7 +237,7 @@ class CampaignResults(Tabled):
     ) -> statistics.Success | None:
         """Return the probability that a flight is lost, or that it survives.
 
-        Undecided flights count among all. `lost`: whether it is that of loss. `confidence`: of its
+        Undecided flights count among all. `lost`: true for loss. `confidence`: of its
         interval, by default the campaign's. None without flights.
         """
         if self.flights is None:
@@ -295,7 +295,7 @@ class CampaignResults(Tabled):
         """Return the quantiles of the first 1/16, 1/8, 1/4, 1/2 of the cases, and of all cases.
 
         `output`: a name of `angles`, by default the first. `probability`, `confidence`: of the
-        quantiles and of their bounds; by default those of the campaign.
+        quantiles and of their bounds; by default the campaign's.
         """
         answers = self.answers(output)
         # numbers of cases, halved four times

@@ -116,7 +116,7 @@ class FlightMode:
     def at(self, t: Any) -> tuple[FloatArray, Any]:
         """Return the costate p of length one, ``(m,) + t.shape``, and the control reach R.
 
-        The costate is that of the fastest unstable mode, whose unstable component is p.x. R is the
+        The costate belongs to the fastest unstable mode, whose unstable component is p.x. R is the
         effect on it of a unit deflection constant from t on. `t`: times [s]; those outside the span
         count as its ends.
         """
@@ -320,7 +320,7 @@ class FlightMode:
     def _march(self) -> tuple[FloatArray, FloatArray]:
         """Ends of steps [s] ``(k,)``, and costate and control reaches there ``(k, m + 2)``.
 
-        The costate p is that of the fastest unstable mode, the control reach R the effect on p.x of
+        The costate p belongs to the fastest unstable mode, the control reach R the effect on p.x of
         a unit deflection constant from then on, and the absolute one, the last number of each row,
         that of one with the sign of p.b in each step. They are integrated backwards from the end of
         the span, where the vehicle is frozen, and scaled to a costate of length one after each

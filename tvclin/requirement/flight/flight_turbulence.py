@@ -1,9 +1,9 @@
 """Turbulence along a flight: deviation and travel of a nozzle, largest deflection by wind.
 
 The loop is linear and without limits, with the autopilot that its specification gives at each
-flight time. Its covariance is that along the flight: in a head wind and in a sounding with the
-dynamic pressure encountered, of a pulse with that at its peak throughout. The response to a pulse
-is that of the loop frozen at its flight time, that to a sounding of the vehicle along the flight.
+flight time. Its covariance is computed along the flight: with the dynamic pressure encountered in a
+head wind and in a sounding, with the pressure at the peak of a pulse throughout. To a pulse the
+loop responds frozen at its flight time, to a sounding as the vehicle varies along the flight.
 """
 
 from __future__ import annotations

@@ -110,8 +110,8 @@ def two_plane_sizing(
 def _two_plane_arising(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray:
     """Return the flight time at which a requirement of fixed winds arises [s], ``(m,)``.
 
-    `pitch`, `yaw`: sizing of each plane, of the same m winds. `name`: the requirement. The time is
-    that of the plane with the larger requirement.
+    `pitch`, `yaw`: sizing of each plane, of the same m winds. `name`: the requirement. It arises
+    in the plane with the larger requirement.
     """
     pitch_time, yaw_time = (sizing.arising(name) for sizing in (pitch, yaw))
     pitch_size, yaw_size = (

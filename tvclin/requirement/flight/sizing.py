@@ -391,7 +391,7 @@ def _repeated_notes(sizing: Sizing) -> Iterator[str]:
     """Yield a note on each wind that requires the same at three or more flight times in a row.
 
     That is a sounding with a gust or a window: what sets the requirement is then no part of the
-    wind about these flight times. The requirement is that of the largest dead band, varying.
+    wind about these flight times. It is the varying requirement of the largest dead band.
     """
     band = Requirement(dead_band=sizing.dead_bands[0], varying=True)
     if band not in sizing.required or sizing.times.size < _MIN_REPEATED:
