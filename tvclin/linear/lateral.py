@@ -93,8 +93,8 @@ class LateralSensors:
         """Return the plant with the sensors; its outputs are the plant's, then `signals`.
 
         Its states are the plant's, then the drift, unless that is an output of the plant, and the
-        lag of the accelerometer. `InputError` for a plant without lateral signals, as
-        `Plant.lateral_rows`.
+        lag of the accelerometer. `InputError` for a plant without a speed, or without a flight path
+        angle for the drift.
         """
         system = plant.system
         if not self.signals:

@@ -294,7 +294,7 @@ class Autopilot(Feedback):
     def closed_loop_poles(self, plant: AnyPlant) -> ComplexArray:
         """Return the poles [1/s] of `close`, ``(n,)``, without python-control.
 
-        Same parameters, exceptions and warnings as `close`: one plant of any model.
+        `plant`: one plant of any model. `InputError` for a batch, and the warnings of `close`.
         """
         return self._closed("closed_loop_poles", plant).poles
 

@@ -352,8 +352,8 @@ def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
 def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
     """Return the cells of a mode in the table of bands: name, stabilisation, frequency and margin.
 
-    `k`: index of the mode, for the keys of the numbers. The margin is that of its kind of
-    stabilisation: gain, phase, or the distance of L from -1.
+    `k`: index of the mode, for the keys of the numbers. The margin is the gain or phase margin, or
+    the distance of L from -1 for a mode that is stable with the rigid body.
     """
     key = f"band.{k}"
     margins = {

@@ -100,8 +100,7 @@ class CovarianceHistory(GaussianOutputs):
     def travel(self, output: str = DEFLECTION) -> float:
         """Return the expected integral of ``|y'|``, of the deflection the nozzle's travel [rad].
 
-        `InputError` for an unknown output and an output that jumps with the turbulence
-        or a noise.
+        `InputError` for an unknown output and one that jumps with the turbulence or a noise.
         """
         return float(np.trapezoid(self._absolute_rates(output), self.times))
 
@@ -146,8 +145,7 @@ class CovarianceHistory(GaussianOutputs):
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> FloatArray:
         """Return the expected crossings [1/s] of +-limit by an output at the times, ``(n,)``.
 
-        `InputError` for an unknown output, one that jumps, and a limit that is not
-        positive.
+        `InputError` for an unknown output, one that jumps, and a limit that is not positive.
         """
         return self._crossing_rates(limit, output)
 

@@ -100,9 +100,10 @@ class GaussianOutputs(Shown):
         return np.asarray(np.sqrt(np.maximum(self._covariance_of(row, row), 0.0)))
 
     def _covariance_of(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return the covariance of first x and second x at the n times, ``(n,)``.
+        """Return the covariance of two outputs at the n times, ``(n,)``.
 
-        x: states of the loop. `first`, `second`: rows, ``(states,)`` or ``(n, states)``.
+        `first`, `second`: the rows r of these outputs, r x with the states x of the loop,
+        ``(states,)`` or ``(n, states)``.
         """
         covariances = self._moments.covariances
         first, second = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
