@@ -357,6 +357,15 @@ def test_a_flight_in_a_head_or_a_tail_wind_survives_as_the_boundary_of_each_says
     assert json.loads(across.stdout)["direction"] == "cross"
 
 
+def test_a_cross_wind_that_leaves_an_autopilot_open_is_called_one():
+    """Between what it requires at nominal pressure and at that of the peak of a cross wind."""
+    autopilot = ("--natural-frequency", "1.5", "--plane", "yaw", "--limit-deg", "0.413")
+    said = " ".join(run("configuration-i", *autopilot).stdout.split())
+    assert (
+        "NOT KNOWN, sufficient at nominal dynamic pressure, and below the bound for a cross" in said
+    )
+
+
 def test_a_part_of_a_sounding_is_said_to_be_one():
     sounding = ("--winds", SOUNDING, "--azimuth-deg", 90)
     said = "of wyoming.txt the 20 s about the vehicle's own time count, cut with steps of 4.26 and"

@@ -114,7 +114,10 @@ _RIGID_NUMBERS: dict[str, str] = {
 QUESTIONS = tuple(_REFUSED)
 _OF_PULSES = ("study", "nozzle --over flight")
 _OF_SOUNDINGS = ("ascent", "disperse", "nozzle --over flight")
-"""Questions that together compute every feature: of a wind of one shape, and of a sounding."""
+"""Questions that together compute every feature: of a wind of one shape, and of a sounding but for
+those of `_LOOP`."""
+_LOOP_IN_SOUNDINGS = "fly --engine linear"
+"""Question that computes the features of `_LOOP` in a sounding, at one time and along a flight."""
 
 
 def use_of(question: str, feature: str) -> str:
@@ -190,10 +193,13 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
     }
     named = _specified_features(case, omitted, tables)
     # the study is of a wind of one shape; a sounding is answered along its flight
-    candidates = _OF_PULSES if isinstance(case.wind, ShapedWind) else _OF_SOUNDINGS
+    sizing = getattr(case, "sizing", None)  # of a flight, with its soundings
+    measured = not isinstance(case.wind, ShapedWind) or bool(sizing and sizing.soundings)
+    candidates = _OF_SOUNDINGS if measured else _OF_PULSES
     counting: dict[str, list[str]] = {}
     for feature in named:
         question = next(name for name in candidates if use_of(name, feature) == COMPUTED)
+        question = _LOOP_IN_SOUNDINGS if measured and feature in _LOOP else question
         counting.setdefault(question, []).append(feature)
     for question, features in counting.items():
         yield f"not counted here: {listed(features)} (tvclin {question} counts it)"
