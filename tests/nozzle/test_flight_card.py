@@ -158,10 +158,18 @@ def test_noise_makes_travel_as_its_rms_rate_says():
     assert longer.duties[0].travel == pytest.approx(wind + 10.0 * rate, abs=within)
 
 
+def profile(levels: list[float], east: list[float]) -> tv.WindProfile:
+    """Return a wind from the west [m/s] between levels [m], known at every kilometre."""
+    height = np.union1d(levels, np.arange(np.ceil(levels[0]), levels[-1], 1e3))
+    return tv.WindProfile(
+        height=height, east=np.interp(height, levels, east), north=np.zeros(height.size)
+    )
+
+
 def test_where_a_wind_is_not_known_the_verdict_is_not_known():
     """The sounding begins at 7 km, where the flight is at 46 s."""
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
-    jet = tv.WindProfile(height=[7e3, 10e3, 15e3], east=[0.0, 25.0, 0.0], north=[0.0] * 3)
+    jet = profile([7e3, 10e3, 15e3], [0.0, 25.0, 0.0])
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     options = {"pulse": False, "soundings": {"jet": sounding}, "start": 45.0, "stop": 60.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)
@@ -178,7 +186,7 @@ def test_where_a_wind_is_not_known_the_verdict_is_not_known():
 def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     """At 64.0294 s: what is offered is not beyond it."""
     held = tv.FlightSchedule(SCHEDULE.at(66.0).replace(time=[40.0, 100.0]), altitude=[6e3, 16e3])
-    jet = tv.WindProfile(height=[0.0, 8e3, 10004.9], east=[5.0, 25.0, 5.0], north=[0.0] * 3)
+    jet = profile([0.0, 8e3, 10004.9], [5.0, 25.0, 5.0])
     sounding = tv.requirement.SoundingRequest(jet, azimuth=np.radians(90.0))
     options = {"pulse": False, "soundings": {"jet": sounding}, "start": 50.0, "every": 10.0}
     case = tv.Case(vehicle=held.vehicle, nozzle=NOZZLE)

@@ -120,8 +120,10 @@ def controllability_ratio(
     gust : array_like
         Peak of the gust [rad] in them, one or of each flight time, ``(n,)``: its trim counts as
         random, and not with theirs.
-    thrust_offset, gravity_offset : float
-        Angle [rad] of the thrust to the nozzle, and distance [m] of the centre of gravity, random.
+    thrust_offset : float
+        Angle [rad] of the thrust to the nozzle, random.
+    gravity_offset : float
+        Distance [m] of the centre of gravity from the axis, random.
 
     Raises
     ------
