@@ -82,24 +82,25 @@ class PlaneRequirement:
 def vector_requirement(
     pair: PlanePair, limit_shape: LimitShape, K: float, separate: float
 ) -> float:
-    """Return the limit [rad] of the control in both planes with exit on trim, or `separate`.
+    """Return the required limit [rad] of trim in both planes together, at least `separate`.
 
-    The control trims both planes until the gauge of trim is K times the limit, and then deflects by
-    a constant vector. It is the boundary limit, or with more than one unstable pole and 0 < K < 1
-    the largest limit that diverges after trim. `pair`: plants and wind. `K`: dead band. `separate`:
-    limit [rad] of the rectangle of both planes' separate requirements, returned if it is larger.
-    The minimum of both and their bound without a forecast do not exceed it, and are not computed.
-    `InputError` where `plane_limit` raises it.
+    The control trims both planes until the gauge of the trim vector (the minimum limit that reaches
+    it) is K times the limit, and then deflects by a constant vector. The limit is the boundary
+    limit, or with more than one unstable pole and 0 < K < 1 the largest limit that diverges after
+    trim. `pair`: plants and wind. `K`: dead band. `separate`: limit [rad] of the rectangle of both
+    planes' separate requirements. The minimum of both planes and their bound without a forecast do
+    not exceed it, and are not computed. `InputError` where `plane_limit` raises it.
     """
-    if _scalar_case(pair) is not None:  # the planes are one along it
+    if _scalar_case(pair) is not None:  # along the wind the two planes are like a single plane
         return separate
     _check_turning(pair, K)
+    # `inside` is the shape, or of a cluster a polygon in it, whose gauge takes no search
     shape = limit_shape if K == 0.0 else limit_shape.inside
     deflection, *_ = _dead_band_exit(pair, shape, K, literal=True)
     limit = max(separate, float(shape.gauge(deflection)))
     if K in (0.0, 1.0) or max(poles.size for poles in pair.poles) == 1:
         return limit
-    return _requirement_after_trim(pair, limit_shape.inside, K, True, limit)
+    return _requirement_after_trim(pair, limit_shape.inside, K, literal=True, minimum=limit)
 
 
 def two_plane_requirement(

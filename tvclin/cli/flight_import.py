@@ -58,7 +58,10 @@ class Site:
 
 @dataclass(frozen=True)
 class Rows:
-    """Options that select the rows of a file; `grouped` gives them to a command."""
+    """Options that select the rows of a file; `grouped` gives them to a command.
+
+    The fields have the names of the arguments of the readers, such as `read_table`.
+    """
 
     start: float | None = option("Earliest time, in s.", flag="--from")
     stop: float | None = option("Latest time, in s.", flag="--to")

@@ -276,7 +276,10 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
 class AutopilotFlight:
     """Required deflection of an autopilot in the wind of a case, and its flight with a limit.
 
-    `requirement` is None where it is not known, for a `reason`; `flight` without a limit to fly.
+    `linear`: case and law of the flight. `compared`: autopilot compared with the control that
+    trims, without limits. `worst`: duration of the wind that requires most, None if not sought.
+    `required`: requirement of the study, of any control. `requirement`: requirement of the
+    autopilot, None where it is not known, for a `reason`. `flight`: None without a limit to fly.
     """
 
     linear: LinearCase
@@ -360,7 +363,10 @@ class AutopilotFlight:
         return force, compared.peak_flight_path_angle * float(vehicle.velocity)
 
     def document(self) -> dict[str, Any]:
-        """Return the flight, the requirement and the comparison with trim, for JSON."""
+        """Return the flight, the requirement and the comparison with trim, for JSON.
+
+        Without a flight, its first keys stand with `null` in place of limit and survival.
+        """
         case, requirement = self.case, self.requirement
         flight = {
             "vehicle": case.vehicle.name,

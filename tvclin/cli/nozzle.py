@@ -245,13 +245,13 @@ def over_rate(
     with waiting("angle over rate"):
         flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
         trade_off = _rate_trade_off(case, limit)
-    stated = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
+    theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
     first, *further = trade_off.tables()
     drawn: RateTradeOff | FlownTradeOff = trade_off
     if laws := _flown_limits(case) if every_law else None:
         drawn, first, further = laws, *laws.tables(), [first, *further]
-    stated_at = REQUIRED if limit is None else "limit"
-    rates = _RequiredRates(stated, _autopilot_rate(case, names), stated_at)
+    at = REQUIRED if limit is None else "limit"
+    rates = _RequiredRates(theory, _autopilot_rate(case, names), at)
     further += [table for duty in flown for table in duty.tables()]
     judged = _judged(case, trade_off, required)
     limited = limit is not None or rate_limit is not None
@@ -332,12 +332,12 @@ def _rate_trade_off(
 class _RequiredRates:
     """Required rates of the theory and of the autopilot, flown, as the command prints them.
 
-    `stated`: trade-off with its rate at the limit, None without one. `autopilot`: required rate of
+    `theory`: trade-off with its rate at the limit, None without one. `autopilot`: required rate of
     the autopilot [rad/s] with the limit; None where it is not flown. `at`: limit or required
     deflection, in words.
     """
 
-    stated: RateTradeOff | None
+    theory: RateTradeOff | None
     autopilot: float | None
     at: str
 
@@ -345,17 +345,20 @@ class _RequiredRates:
     def document(self) -> dict[str, Any]:
         """The required rates for JSON."""
         rates: dict[str, Any] = {}
-        if self.stated is not None:
-            rates["required_rate"] = document(self.stated, "limit", "required_rate")
+        if self.theory is not None:
+            rates["required_rate"] = document(self.theory, "limit", "required_rate")
         if self.autopilot is not None:
             rates["autopilot_required_rate_deg_per_s"] = float(np.degrees(self.autopilot))
         return rates
 
     @property
     def words(self) -> str:
-        """The required rates in words; empty without any."""
-        stated = None if self.stated is None else self.stated.required_rate
-        rates = {f"{AUTOPILOT}, flown,": self.autopilot, "": stated}
+        """The required rates of autopilot and theory with the limit, in words; empty without any.
+
+        In `_rate_text` the theory is a law without a name.
+        """
+        theory = None if self.theory is None else self.theory.required_rate
+        rates = {f"{AUTOPILOT}, flown,": self.autopilot, "": theory}  # [rad/s], None: not known
         return "; ".join(
             _rate_text(rate, self.at, law) for law, rate in rates.items() if rate is not None
         )
@@ -363,7 +366,7 @@ class _RequiredRates:
     @property
     def tables(self) -> tuple[Table, ...]:
         """The table of the required rate of the theory."""
-        return () if self.stated is None else (required_rate_table(self.stated, self.at),)
+        return () if self.theory is None else (required_rate_table(self.theory, self.at),)
 
 
 def _rate_text(required_rate: float, at: str, law: str) -> str:

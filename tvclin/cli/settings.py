@@ -180,10 +180,11 @@ def _with_azimuth(source: str, settings: Sequence[tuple[str, str]], azimuth: flo
 
 
 def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
-    """Return the error of a command that names a key of --set in place of the source that has it.
+    """Return the error of a command, which blames keys of --set and not the file that they change.
 
-    `values`: the values of the options, by name. A line of the message that begins with the source
-    and has the name of a quantity that --set gives begins with that key in its place.
+    `values`: values of arguments and options of the command, by name. A line of the message that
+    begins with the file and has the name of a quantity that --set changes begins with its key:
+    "my.toml: weight ..." becomes "--set vehicle.weight: weight ...".
     """
     from tvclin.base.files import called
 
@@ -191,6 +192,7 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
     if not isinstance(error, InputError) or not source:
         return error
     for key, _ in pairs(values.get(_PARAMETER) or ()):
+        # the name of the quantity later in the line, not as a part of another name
         about = rf"(?=.*(?<![\w.\-]){_quantity(key)}(?![a-z]))"
         message = re.sub(rf"(?m)^{re.escape(called(source))}: {about}", f"--set {key}: ", message)
     return InputError(message)

@@ -201,16 +201,15 @@ def certify(
     any of them bounds every peak from below. `switches`: switch times [s] after the start,
     ``(k,)``. `limit`: first deflection [rad].
     """
-    constraints = window.constraints
-    summed = window.signed(multipliers)
-    beyond = window.tail(multipliers)
-    dual = float(multipliers @ constraints.demands / (summed.norm + beyond))
+    norm = window.signed(multipliers).norm  # L1 norm of lambda . e within the window
+    beyond = window.tail(multipliers)  # bound of the norm after a truncated window
+    dual = float(multipliers @ window.constraints.demands / (norm + beyond))
     return Certificate(
         primal=abs(limit),
         dual=dual,
         gap=(abs(limit) - dual) / abs(limit),
         residual=window.violation(switches, limit),
-        tail=beyond / summed.norm,
+        tail=beyond / norm,
     )
 
 
@@ -308,16 +307,16 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
 
 
 def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Return the reach [rad] on whose edge the coordinates of two real modes lie.
+    """Return the minimum peak of deflection/B [rad] that brings two real modes to equilibrium.
 
-    It is the minimum peak of u = deflection/B that brings them to equilibrium, ``(n,)``.
-
-    `fast`, `slow`: coordinates z of the two modes [rad], ``(n,)`` each. `ratio`: the slow pole over
-    the fast one, in (0, 1), ``(n,)``.
+    ``(n,)``: the limit whose set of recoverable coordinates has the given ones on its edge. `fast`,
+    `slow`: coordinates z of the two unstable modes [rad], ``(n,)`` each. `ratio`: the slow pole
+    over the fast one, in (0, 1), ``(n,)``.
     """
-    reaches = np.empty(fast.size)
+    reaches = np.empty(fast.size)  # written by the kernel
     columns = [np.require(values, float, ["C", "W"]) for values in (fast, slow, ratio)]
     count = reaches.size
+    # the constants are the seconds per case, in plain Python and as machine code
     run(minimum_reaches, (*columns, reaches), count, REACH_PLAIN * count, REACH_COMPILED * count)
     return reaches
 

@@ -275,11 +275,13 @@ class Window:
         return self.constraints.moments(np.concatenate([[0.0], switches, [self.end]])) * signs
 
     def violation(self, switches: FloatArray, limit: float) -> float:
-        """Return the largest violation of a condition, relative to the sizes of its terms.
+        """Return the largest violation of a condition (C1), relative to the sizes of its terms.
 
-        `switches`: times [s] of the deflection's switches, ``(k,)``. `limit`: its first value
-        [rad].
+        The i-th condition is that the moments of the deflection's pieces sum up to d_i.
+        `switches`: times [s] at which the deflection changes its sign, ``(k,)``. `limit`: its first
+        value [rad].
         """
+        # d_i ``(n,)``, and the moments [rad s] of the k + 1 pieces of the deflection ``(n, k + 1)``
         demands, pieces = self.constraints.demands, limit * self.piece_moments(switches)
         sizes = np.abs(pieces).sum(axis=1) + np.abs(demands)
         return float((np.abs(pieces.sum(axis=1) - demands) / sizes).max())

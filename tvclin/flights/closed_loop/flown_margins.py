@@ -195,7 +195,7 @@ def flown_table(margins: FlownMargins, caption: str = "Flown margins") -> Table:
     for name in CHANGES:
         m: FlownMargin = getattr(margins, name)
         flown, linear = (
-            _change_cell(f"flown.{name}.{key}", value, name == "delay")
+            _change_cell(f"flown.{name}.{key}", value, is_delay=name == "delay")
             for key, value in (("value", m.value), ("linear", m.linear))
         )
         rows.append(((_CHANGES[name],), flown, (_CAUSES.get(m.cause, m.cause),), linear))

@@ -508,18 +508,20 @@ class Stages:
         """Samples after which flights through each wind are judged, and numbers of settled samples.
 
         A flight survives if it stays settled, well inside the recoverable set, for the second
-        number of samples. Both are ``(w,)``. In a wind that lasts until the end of the flight the
-        first is the settling time before that end.
+        number of samples. Both are ``(w,)``, counted from the start of the flight. A wind that
+        lasts until the end of the flight is judged before that end, by the settling time there and
+        two more judgements, from the first sample on at the earliest.
         """
         h, flight = self.period, self.flight_of_wind
         samples, ends = self.samples[flight], self._ends[0] - self.first[flight]
         # of `plants` those at the ends of winds and of flights follow those at the breakpoints
         criteria, begin = outcome_criteria(self.plants), sum(map(np.size, self.vehicle_breaks))
+        # reach is NaN without one or two real unstable poles; such flights have no outcome
         settling = np.ceil(np.where(np.isnan(criteria.reach), 0.0, criteria.settling) / h)
         after_wind, at_end = (
             settling[begin : begin + self._ends.size].astype(np.int64).reshape(2, -1)
         )
-        late = ends >= samples
+        late = ends >= samples  # the wind lasts until the end of its flight
         before = np.maximum(samples - at_end - 2 * JUDGED_SAMPLES, 1)
         return np.where(late, before, ends), np.where(late, at_end, after_wind)
 

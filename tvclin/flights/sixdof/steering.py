@@ -65,10 +65,12 @@ class TrimThenHold:
         times: FloatArray,
         step: float,
     ) -> None:
-        """Evaluate the wind at all steps, before the flight.
+        """Evaluate the wind angle at all steps, before the flight: means, and values at the ends.
 
         `trim`: law of trim and attitude feedback. `limit`: deflection limit [rad], positive.
-        `dead_band`: K. `times`: equidistant times of the steps [s], ``(n,)``. `step`: step [s].
+        `dead_band`: K. `times`: equidistant times [s], ``(n,)``, in the middle of the steps.
+        `step`: step [s]. `_level`: trim [rad] at which the control switches, K times the limit.
+        `_constant`: deflection [rad] after the switch, None before it.
         """
         self._trim, self._B = trim, float(trim.plant.coefficients.B)
         self._limit, self._level = limit, max(dead_band, ONSET_OVER_LIMIT) * limit

@@ -344,7 +344,7 @@ class SizingRequest:
         return max(available, key=lambda requirement: worst[requirement].deflection, default=base)
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
-        """Return the pulses, with their peak at each flight time and the gust of the case."""
+        """Return the wind of the case, if `pulse`, then `others`; each has the gust of the case."""
         errors.instance("case", case, Case, "of a wind and a nozzle")
         if not self.pulse and not self.others:
             return ()
