@@ -10,6 +10,7 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin import plots
 from tvclin.ascent.nominal_flight import load_flight_condition
+from tvclin.flights import flown_boundary as engines
 from tvclin.linear.response import attitude_responses
 from tvclin.plots import boundaries as flown_room
 from tvclin.plots.boundaries import PEAK, centred_wind, chosen_engine, flown_limit
@@ -96,7 +97,7 @@ def test_points_of_figures_10_and_11_are_boundaries_of_the_exact_cubic(draw, nam
     wind = tv.TriangularWind(peak=PEAK, duration=tau_beta / exact.coefficients.beta)
     expected = tv.boundary_limit(exact, wind, K, switch="literal").limit
 
-    flown = computed.column(f"flown, {flown_room.ENGINES[engine].words}", f"(a) K = {K:g}")
+    flown = computed.column(f"flown, {engines.ENGINES[engine].words}", f"(a) K = {K:g}")
     assert computed.abscissa[np.isfinite(flown)] == pytest.approx([tau_beta])
     assert flown[np.isfinite(flown)] == pytest.approx(expected, abs=2e-3)
 
@@ -145,13 +146,13 @@ def test_the_wind_along_a_trajectory_has_its_peak_at_the_time_of_table_i():
 
 
 def test_along_the_trajectory_the_condition_of_the_vehicle_is_flown(monkeypatch):
-    request = {}
+    request, flown = {}, engines.flown_boundary
 
     def boundary(vehicle, wind, dead_band, **options):
         request.update(options)
-        return tv.flown_boundary(vehicle, wind, dead_band, engine=lambda *_, **__: lambda y: True)
+        return flown(vehicle, wind, dead_band, engine=lambda *_, **__: lambda y: True)
 
-    monkeypatch.setattr(flown_room, "flown_boundary", boundary)
+    monkeypatch.setattr(engines, "flown_boundary", boundary)
     flown_limit.__wrapped__("configuration-ii", 4.0, 1.0, plane="yaw", along=True)
 
     assert request["frozen"] is False

@@ -19,8 +19,6 @@ from tvclin.boundary.closed_forms import (
     triangular_limit,
     triangular_limit_with_drift,
 )
-from tvclin.flights.engine_interface import OUTPUTS, ReportControl
-from tvclin.flights.flown_boundary import ENGINES, flown_boundary
 from tvclin.linear.plant import Plant
 from tvclin.plots.curves import Column, Curves
 from tvclin.plots.style import (
@@ -331,6 +329,8 @@ def chosen_engine(engine: str | None) -> str:
     """
     if engine is None:
         return "sixdof" if find_spec("jsbsim") else "planar"
+    from tvclin.flights.flown_boundary import ENGINES  # late: for the flown figures alone
+
     return errors.one_of("engine", engine, ENGINES)
 
 
@@ -340,6 +340,9 @@ def flown_attitudes(vehicle: Vehicle, engine: str) -> Flights:
     `engine`: name of the engine that flies it, one of `ENGINES`. The function takes a wind, a limit
     [rad], a dead band and times [s] ``(n,)``, and returns attitudes ``(n,)``.
     """
+    from tvclin.flights.engine_interface import OUTPUTS, ReportControl  # late, with the engines
+    from tvclin.flights.flown_boundary import ENGINES
+
     fly = ENGINES[engine].outputs
 
     def attitude(wind: History, limit: float, dead_band: float, times: FloatArray) -> FloatArray:
@@ -373,6 +376,8 @@ def flown_limit(
     parameters vary along the trajectory, which planar flights know; frozen where not. `tolerance`:
     of the limit, over trim.
     """
+    from tvclin.flights.flown_boundary import flown_boundary  # late, with the engines
+
     vehicle = load_vehicle(name)
     options: dict[str, Any] = {}
     if along:
@@ -537,6 +542,8 @@ def _engines(engine: str) -> list[str]:
 
 def _flown(engine: str) -> str:
     """Return the label of the flights of an engine, by its name in `ENGINES`."""
+    from tvclin.flights.flown_boundary import ENGINES  # late: for the flown figures alone
+
     return f"flown, {ENGINES[engine].words}"
 
 
