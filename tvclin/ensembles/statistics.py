@@ -198,8 +198,8 @@ def covers_quantile(
 
     `limit`: [rad]. `required`: requirements of cases [rad], ``(n,)``. `unknown`: whether the
     requirement of a case is not known, ``(n,)``. `probability`, `confidence`: of the quantile, and
-    of its bound. None where the sample is too small, and where the verdict is another with infinite
-    than with zero requirements of the unknown cases.
+    of its bound. None where the sample is too small, and where infinite and zero requirements
+    of the unknown cases lead to different verdicts.
     """
     verdicts: set[bool | None] = set()
     for value in (np.inf, 0.0):

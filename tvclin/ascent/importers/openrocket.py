@@ -364,13 +364,13 @@ def _wind(flight: powered_flight.Flight) -> list[str]:
     if "sound" not in flight.columns:
         return []
     through_air = flight["mach"] * flight["sound"]
-    off = np.abs(through_air - flight["velocity"]) / flight["velocity"]
-    worst = int(np.argmax(off))
-    if off[worst] <= _WINDY:
+    difference = np.abs(through_air - flight["velocity"]) / flight["velocity"]
+    worst = int(np.argmax(difference))
+    if difference[worst] <= _WINDY:
         return []
     return [
         f"the simulation has wind: at {flight['time'][worst]:g} s the speed through the air differs"
-        f" by {100 * off[worst]:.2g} percent from that over the ground; simulate without"
+        f" by {100 * difference[worst]:.2g} percent from that over the ground; simulate without"
     ]
 
 

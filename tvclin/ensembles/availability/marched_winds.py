@@ -129,8 +129,8 @@ class PlaneMarch:
         """Return bounds of the required deflections [rad] of n winds.
 
         They are equal unless flights of the trim law decide (`time_varying.decided_by_flights`),
-        which are not flown here, except with a limit that the law never reaches, where even with
-        that it may diverge.
+        which are not flown here. Only where the law may diverge without any limit is it flown so,
+        and the upper bound is infinite where it does.
         """
         stepped = self.stepped(winds)
         equations, march = stepped.equations, stepped.curves()  # trim and demand over time

@@ -262,7 +262,7 @@ def _validity_cells(sizing: Sizing, i: int, wind: int | None) -> list[Line]:
 def _marks(sizing: Sizing, i: int) -> str:
     """Return the marks of the flight time with index `i`, keys of `_MARKS`.
 
-    Each stands for something that holds of any of its winds, as the schedule not covering it.
+    A mark is set where its condition holds for at least one of the winds at that time.
     """
     marks = {
         "1": sizing.beyond_single_pole[i].any(),
