@@ -296,8 +296,12 @@ class TrimComparison(Shown):
     def deflections(self, caption: str = "", stop: float | None = None) -> lines.Table:
         """Return the table of the peak deflection, of trim, boundary limits and minimum.
 
-        `caption`: title of the table. `stop`: smallest deflection limit [rad] with which the
-        autopilot survives in flight, where it is known.
+        Parameters
+        ----------
+        caption : str
+            Title of the table.
+        stop : float, optional
+            Smallest deflection limit [rad] with which the autopilot survives in flight.
         """
         flown = {} if stop is None else {"stop": (f"{REQUIREMENT}, flown", stop)}
         boundaries = {f"K{K:g}": (f"boundary, K = {K:g}", y) for K, y in self.boundaries.items()}

@@ -60,11 +60,19 @@ class TrimLaw(LinearLaw):
     def suited(cls, plant: Plant, peak: float, rate_limit: float) -> Self:
         """Return trim with a gain that a nozzle with rate limit r can follow, at most the default.
 
-        An error z decays as e^(-gain p t), p being the unstable pole: with gain = r/(p B A) the
-        feedback of an error as large as the wind turns the nozzle at the rate r. The default gain
-        requires a nozzle about five times as fast as the wind; with this gain trim requires no more
-        than the wind's rate. `plant`: plant of the design, with trim B per angle of attack. `peak`:
-        peak A of the wind [rad]. `rate_limit`: r [rad/s].
+        An error z decays as e^(-gain p t), p being the unstable pole and B the trim per angle of
+        attack: with gain = r/(p B A) the feedback of an error as large as the wind turns the nozzle
+        at the rate r. The default gain requires a nozzle about five times as fast as the wind; with
+        this gain trim requires no more than the wind's rate.
+
+        Parameters
+        ----------
+        plant : Plant
+            Plant of the design.
+        peak : float
+            Peak A of the wind [rad].
+        rate_limit : float
+            Rate limit r of the nozzle [rad/s].
         """
         size = abs(number("peak", peak, small_angle("a wind angle"), "rad"))
         available = rate_limit_angle(plant, law_rate_limit("rate_limit", rate_limit, "rad/s"))

@@ -137,20 +137,11 @@ class Loop:
     ) -> Self:
         """Return the loop L(s) = C (s I - A)^-1 B e^(-s delay), or a batch of loops.
 
-        Parameters
-        ----------
-        A, B, C : array_like
-            ``(..., n, n)``, ``(..., n, 1)`` and ``(..., 1, n)``; the leading axes broadcast.
-        D : array_like
-            Zero, of shape ``()`` or ``(..., 1, 1)``.
-        delay : array_like
-            Delay [s], ``(...)``.
-
-        Raises
-        ------
-        InputError
-            For shapes of more than one input or output, numbers that are not finite or beyond 1e15
-            (A) and 1e60 (B, C), a delay below zero, and an algebraic loop, D other than zero.
+        `A`, `B`, `C`: ``(..., n, n)``, ``(..., n, 1)`` and ``(..., 1, n)``; the leading axes
+        broadcast. `D`: zero, of shape ``()`` or ``(..., 1, 1)``. `delay`: [s], ``(...)``.
+        `InputError` for shapes of more than one input or output, numbers that are not finite or
+        beyond 1e15 (A) and 1e60 (B, C), a delay below zero, and an algebraic loop, D other than
+        zero.
         """
         limits = (_MAX_FREQUENCY, _MAX_INPUT_OUTPUT, _MAX_INPUT_OUTPUT)
         entries = zip("ABC", (A, B, C), limits, strict=True)
