@@ -287,3 +287,21 @@ def test_a_shift_below_the_digits_shown_has_no_sign() -> None:
     dry = replace(vehicle.structure, slosh=(), engine=None, bending=stiff)
     (said,) = omission_notes(tv.Case(vehicle=vehicle.replace(structure=dry)), "respond")
     assert "would move the fast pole by less than 0.01 percent" in said
+
+
+def test_an_archive_without_a_criterion_is_said_to_be_no_question(tmp_path) -> None:
+    (tmp_path / "days").mkdir()
+    rows = ["height_m,east_m_per_s,north_m_per_s", *(f"{z},5,0" for z in range(0, 40001, 1000)), ""]
+    (tmp_path / "days" / "2024-02-01.csv").write_text("\n".join(rows), encoding="utf-8")
+    file = tmp_path / "my.toml"
+    lines = ['[study]\nvehicle = "configuration-i"', '[wind]\nshape = "triangular"\npeak_deg = 5']
+    lines += [
+        "duration_s = 7.5",
+        "[nozzle]\nlimit_deg = 1",
+        '[schedule]\nsource = "configuration-i"',
+    ]
+    lines += ['[availability]\narchive = "days"\nazimuth_deg = 90']
+    for least_part, noted in (("", True), ("least_part = 0.9", False)):
+        file.write_text("\n".join([*lines, least_part, ""]), encoding="utf-8")
+        result = CliRunner().invoke(app, ["study", str(file)])
+        assert ("[availability] has no least_part" in " ".join(result.output.split())) is noted

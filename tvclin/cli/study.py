@@ -25,7 +25,7 @@ from tvclin.cli.options import (
     option,
     switch,
 )
-from tvclin.cli.output import answer, bar, print_answer, print_tables, say, waiting
+from tvclin.cli.output import answer, bar, note_below, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import PulseOptions
 from tvclin.requirement import study_tables as tables
 from tvclin.requirement.case_requirement import pulse_of
@@ -36,6 +36,10 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.studyfile.verdict import questions_table, sentence
 from tvclin.vehicle.vehicle_file import numbers_as_written
 from tvclin.winds.wind_file import gust_of
+
+_ARCHIVE = (
+    "[availability] has no least_part and is no question here; tvclin availability answers for it"
+)
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,10 @@ def study(
         announce(CURVES_SECONDS)
     with bar("answers") as progress:
         # flown margins are of the page alone
-        findings = find(questioned(plan), progress, omitted=("flown",))
+        judged = questioned(plan)
+        findings = find(judged, progress, omitted=("flown",))
+    if plan.availability is not None and judged.availability is None:
+        note_below(_ARCHIVE)
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart
 
