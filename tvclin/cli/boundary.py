@@ -196,15 +196,12 @@ def print_in_wind(
     )
     required = study_requirement(case, case.dead_band)
     by_dead_band, notes = _required(plant, wind, dead_bands)
-    bound = known_wind.verdict(_wind_words(case))
-    verdict = "; ".join([bound, *([required.see_study] if required else [])])
+    verdict = known_wind.verdict(_wind_words(case))
+    verdict += f"; {required.see_study}" if required else ""
+    of_dead_bands = {"boundaries": _document(dead_bands, by_dead_band), "notes": notes}
     answer(
         shown.as_json,
-        lambda: (
-            winds.document(case, required)
-            | known_wind.as_dict()
-            | {"boundaries": _document(dead_bands, by_dead_band), "notes": notes}
-        ),
+        lambda: winds.document(case, required) | known_wind.as_dict() | of_dead_bands,
         lambda: print_answer(
             verdict,
             known_wind.dead_band_table(title, dead_bands, by_dead_band),
