@@ -602,3 +602,24 @@ def test_a_boundary_in_one_minus_cosine_is_that_of_its_samples() -> None:
     assert float(shape.limit) == pytest.approx(float(sampled.limit), rel=1e-4)
     result = run("study", "configuration-i", "--wind", "one-minus-cosine")
     assert "one-minus-cosine wind of 5 deg and 7.5 s" in result.output
+
+
+@pytest.mark.parametrize(("name", "factor"), [("normal_force_slope", 1.1), ("velocity", 0.9)])
+def test_a_vehicle_that_its_flight_contradicts_is_noted(tmp_path, name, factor) -> None:
+    """The number is named; differences of a few percent, as of tables, have no note."""
+    flight = tv.load_schedule("configuration-i")
+    study = tmp_path / "s.toml"
+    study.write_text(
+        '[study]\nvehicle = "configuration-i"\n[wind]\npeak_deg = 5\nduration_s = 7.5\n'
+        '[schedule]\nsource = "flight.csv"\n',
+        encoding="utf-8",
+    )
+    warnings = {}
+    for ratio in (1.0, 1.0 + 0.3 * (factor - 1.0), factor):
+        changed = flight.vehicle.replace(**{name: ratio * getattr(flight.vehicle, name)})
+        replace(flight, vehicle=changed).to_csv(tmp_path / "flight.csv")
+        warnings[ratio] = tv.studyfile.load_study(study).sizing.warnings
+    assert list(map(len, warnings.values())) == [0, 0, 1]
+    number = {"normal_force_slope": "mu_alpha", "velocity": "velocity"}[name]
+    assert f" ({number} " in warnings[factor][0]
+    assert "in the flight" in warnings[factor][0]

@@ -57,7 +57,7 @@ from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_file import read_system
 from tvclin.requirement.flight.request import EVERY_S, SIZE_TABLE
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, STUDY_TABLE
-from tvclin.vehicle.linear_vehicle import AnyVehicle
+from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.vehicle.vehicle_file import (
     HEADINGS,
@@ -281,6 +281,28 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         return flight
     name = vehicle if named else vehicle.get("name") or "given by its numbers"
     return flight | {"another": name}
+
+
+_MAX_VEHICLE_DIFFERENCE = 0.05
+"""Relative difference of a number of the vehicle from that of its flight that has a note."""
+
+
+def differing_vehicle(vehicle: AnyVehicle, schedule: FlightSchedule) -> str:
+    """Return the name of a vehicle whose flight has other numbers at its time, with one of them.
+
+    Empty where speed, mu_alpha and mu_delta in pitch agree, and for a vehicle without a time of the
+    flight. `vehicle`: that of the study. `schedule`: the flight.
+    """
+    first, last = schedule.span
+    if not isinstance(vehicle, Vehicle) or not first <= (time := vehicle.time or -np.inf) <= last:
+        return ""
+    own, flown = (coefficients_of(v.rigid, "pitch") for v in (vehicle, schedule.at(float(time))))
+    for name, unit in {"mu_alpha": "1/s^2", "mu_delta": "1/s^2", "velocity": "m/s"}.items():
+        value, other = (float(getattr(c, name)) for c in (own, flown))
+        if abs(value - other) > _MAX_VEHICLE_DIFFERENCE * max(abs(value), abs(other)):
+            of_study = f"{name} {value:.4g} {unit} at {time:.4g} s, in the flight {other:.4g}"
+            return f"{vehicle.name or 'given by its numbers'} ({of_study})"
+    return ""
 
 
 def with_flight_data(

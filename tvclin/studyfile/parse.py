@@ -23,6 +23,7 @@ from tvclin.studyfile.campaign_file import (
     CONTROLLER_TABLE,
     PLANT_TABLE,
     design_of,
+    differing_vehicle,
     dispersions_of,
     flight_of,
     is_rigid,
@@ -100,6 +101,10 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         values["design"] = design_at(design, flight, float(time))
         if values["sizing"] is not None:
             values["sizing"] = replace(values["sizing"], scheduled_design=design)
+    sizing = values["sizing"]
+    if sizing is not None and not sizing.another:
+        another = differing_vehicle(subject["vehicle"], sizing.schedule)
+        values["sizing"] = replace(sizing, another=another)
     return StudyPlan(**subject, **values, **question_of(document), **options)
 
 
