@@ -815,7 +815,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -
     result = find(long)
     assumptions = section(result, "assumptions").text
 
-    assert len(result.study.notes) == 2
+    assert len(result.study.notes) == 3
     assert all(as_sentence(note) in assumptions for note in result.study.notes)
     beside = "".join(one for one in verdict.basis(result) if isinstance(one, str))
     assert "trusts a forecast of the wind" in beside
