@@ -484,9 +484,10 @@ class _Case:
         return float(ramped_deflection(self.law_bound, self.pole, rate))
 
     def lower_bound(self, rate: float | None) -> float:
-        """Return the larger of both lower bounds [rad] at a `rate` [rad/s], or at any for None.
+        """Return the larger of both lower bounds [rad] at a rate limit `rate` [rad/s].
 
-        They are the minimum deflection with the wind known, and the bound without a forecast.
+        They are the minimum deflection with the wind known, and the bound without a forecast. For
+        None the rate is not limited, with the bounds `minimum` and `law_bound`.
         """
         if rate is None:
             return max(self.minimum, self.law_bound)

@@ -95,8 +95,9 @@ def sixdof_verdict(
     `wind`: one wind that ends. `frozen`: whether parameters are frozen; else they vary along the
     nominal flight of `condition`. `drift`: whether the path may turn. `step`: step of JSBSim [s].
     `earth`: the rotating Earth, in place of a flat planet. `actuator`, `rate_limit`: hardware of a
-    law, and its limit [rad/s]. Same exceptions as `fly_sixdof`. The verdict is the direction in
-    which it turns at the `verdict_time` after the wind.
+    law, and its limit [rad/s]. Same exceptions as `fly_sixdof`. A flight does not survive if at the
+    `verdict_time` after the wind the vehicle turns fast, see `verdict_of`. It begins at the onset
+    of the wind, a frozen one at zero if that is earlier.
     """
     _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step=step, earth=earth, condition=condition)

@@ -91,21 +91,23 @@ def stability(loop: AnyLoop) -> Stability:
     unstable = np.sum(np.real(poles) > tolerance, axis=-1)
     on_axis = np.abs(np.real(poles)) <= tolerance
     at_zero = np.any(on_axis & (np.abs(poles) <= tolerance), axis=-1)
-    frequencies, rising = loop.crossovers(1.0)  # where |L| falls poles cross to the right
+    # whether |L| falls at each gain crossover, where poles cross to the right
+    frequencies, to_right = loop.crossovers(1.0)
     frequencies = _polished_gain_crossover(loop, frequencies)
     N, D = loop.undelayed(frequencies)
     with np.errstate(invalid="ignore"):
         phase = np.angle(-N / D) % _FULL_TURN
         on_axis_at_zero = (phase < _PHASE_ROUNDING) | (phase > _FULL_TURN - _PHASE_ROUNDING)
         phase = np.where(
-            on_axis_at_zero, _initial_phase_to_axis(poles, tolerance, frequencies, rising), phase
+            on_axis_at_zero, _initial_phase_to_axis(poles, tolerance, frequencies, to_right), phase
         )
+        # number of times, with a fraction, that poles have crossed at a frequency up to the delay
         crossings_due = (frequencies * loop.delay[..., np.newaxis] - phase) / _FULL_TURN
         crossings = np.maximum(np.ceil(crossings_due), 0.0)
         at_crossing = (np.abs(crossings_due - np.round(crossings_due)) < _AXIS_TOLERANCE) & (
             crossings_due > -_AXIS_TOLERANCE
         )
-    added = np.nansum(np.where(rising, 2.0, -2.0) * crossings, axis=-1)  # in conjugate pairs
+    added = np.nansum(np.where(to_right, 2.0, -2.0) * crossings, axis=-1)  # in conjugate pairs
     added = np.clip(added, -_MAX_POLES, _MAX_POLES)
     delayed = loop.delay > 0.0
     at_axis = np.where(delayed, np.any(at_crossing, axis=-1), np.any(on_axis, axis=-1))
@@ -119,19 +121,19 @@ def stability(loop: AnyLoop) -> Stability:
 
 
 def _initial_phase_to_axis(
-    poles: AnyArray, tolerance: FloatArray, omega: FloatArray, rising: BoolArray
+    poles: AnyArray, tolerance: FloatArray, omega: FloatArray, to_right: BoolArray
 ) -> FloatArray:
     """Return the phase lag [rad], 0 or 2 pi, until poles at the axis cross it for the first time.
 
     A pole that starts in the half plane to which the delay moves it has a full turn to go. `poles`:
     closed-loop poles without the delay, ``(..., n)`` [1/s]. `tolerance`: distance from the axis
     that counts as zero, ``(..., 1)`` [1/s]. `omega`: gain crossovers ``(..., k)`` [rad/s], as the
-    result. `rising`: whether poles cross to the right there, ``(..., k)``.
+    result. `to_right`: whether poles cross to the right there, ``(..., k)``.
     """
     distance = np.abs(poles[..., np.newaxis, :] - 1j * omega[..., np.newaxis])
     nearest = np.argmin(np.nan_to_num(distance, nan=np.inf), axis=-1)
     right = np.take_along_axis(np.real(poles) > tolerance, nearest, axis=-1)
-    return np.where(right != rising, 0.0, _FULL_TURN)
+    return np.where(right != to_right, 0.0, _FULL_TURN)
 
 
 def _polished_gain_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:

@@ -46,7 +46,9 @@ def nominal_suffix(findings: Findings) -> str:
 def planes_line(findings: Findings) -> Line:
     """Return the sentence on the limit of both planes, relative to the limit of one plane.
 
-    `findings`: results of a study plan. It has the autopilot requirement, where it is finite.
+    The sentence continues with the deflection limit [deg] that the autopilot then requires in
+    flight, where it is finite. `findings`: results of a study plan; `findings.stop` is the boundary
+    of the autopilot in this plane, None without a flight.
     """
     s = findings.study
     factor = number("both.factor", s.plane_ratio, 3)

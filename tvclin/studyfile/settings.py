@@ -315,10 +315,11 @@ def _row(
 
 
 def _index(rows: list[dict[str, Any]], name: str, rest: list[str]) -> int | None:
-    """Return the index of a row by its number or name; None where a key stands in their place.
+    """Return the index of a row by its number or name; None if the key has neither.
 
-    `rows`: rows of the table `name`. `rest`: parts of the key after that name, number or name
-    first. An unknown name begins a row of [[dispersion]], and is refused in other tables.
+    The number after the last is the index of a row that the caller adds. An unknown name adds a row
+    to [[dispersion]], and is refused in other tables. `rows`: rows of the table `name`. `rest`:
+    parts of the key after that name: number or name, then the key; or the key alone.
     """
     label, first = _ROWS.get(name, ""), rest[0]  # key whose value names a row, and first part
     names = [str(row.get(label, "")) for row in rows] if label else []

@@ -72,7 +72,7 @@ def wind_triangle(
     horizontal [rad]. `along`, `across`: wind speeds w and c over the speed of the vehicle; w is
     positive from behind.
     """
-    in_pitch = pressure_in_winds(path, along)
+    in_pitch = pressure_in_winds(path, along)  # squared airspeed in the pitch plane, over V^2
     pitch = np.arctan2(np.multiply(along, np.sin(path)), 1.0 - np.multiply(along, np.cos(path)))
     yaw = np.arctan2(across, np.sqrt(in_pitch))
     return np.asarray(pitch), np.asarray(yaw), np.asarray(in_pitch + np.square(across))
@@ -400,7 +400,10 @@ class EncounteredWind:
         checked_linear(float(self.largest_angle.max()))
 
     def check_possible(self) -> None:
-        """Raise `InputError` if no horizontal wind on the path has the angle of a single wind."""
+        """Raise `InputError` if no horizontal wind along the path, of any speed, has the angle.
+
+        It is for a single wind, not a batch. The dynamic pressure ratio q/q_n is then NaN.
+        """
         times = self.history.probe_times()[np.newaxis]
         _, ratio = self.at(times)
         if np.any(np.isnan(ratio)):

@@ -209,18 +209,20 @@ def best_multipliers(window: Window) -> SignedSum:
 
 
 def _with_last_switch(window: Window) -> SignedSum | None:
-    """Return the optimal sum without the slowest real pole, with one more switch for that pole.
+    """Return the optimal sum of the faster poles, with one more switch for the slowest real pole.
 
-    `window`: the poles' exponentials e_i, and their demands d_i. No deflection has a smaller peak
-    than the faster poles require. So this is the solution if their conditions are not changed by
-    the switch. None without such a pole or switch.
+    No deflection has a smaller peak than the faster poles require, so it solves the whole problem
+    if the switch is so late that it does not change their moments; the caller checks that. None if
+    the slowest pole is complex, the faster ones demand nothing, or no such switch exists. `window`:
+    the poles' exponentials e_i, and their demands d_i.
     """
     c = window.constraints
+    # index of the slowest pole, and of its condition, which differ after complex pairs
     slowest, row = int(np.argmin(np.real(c.poles))), int(np.argmin(c.decays))
     poles, demands = np.delete(c.poles, slowest), np.delete(c.demands, row)
     if c.pulsations[row] or not np.any(demands):
         return None
-    poles = poles if np.any(np.imag(poles)) else np.real(poles)
+    poles = poles if np.any(np.imag(poles)) else np.real(poles)  # real for `Constraints.real`
     faster = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
     pole, end = float(c.decays[row]), window.end
     moments = c.moments(np.concatenate([[0.0], faster.zeros, [end]]))[row]

@@ -442,10 +442,10 @@ class LineWinds:
     def at_steps(self, ends: FloatArray) -> tuple[FloatArray, ...]:
         """Return times [s], winds along and across [m/s], and onsets, over even steps.
 
-        Times and winds are at begin, middle and end of steps, ``(n, S, 3)``, or times
-        ``(1, S, 3)``. The onset of each wind is counted in steps from the first of `ends`, with its
-        fraction, ``(n,)``. `ends`: begin of the first step and ends of all [s], ``(S + 1,)``. The
-        result is cached for the second plane.
+        Times and winds are at begin, middle and end of steps, ``(n, S, 3)``; the times are ``(1, S,
+        3)`` where all winds have the same. The onset of each wind is a real number of steps from
+        the first of `ends` on, ``(n,)``. `ends`: begin of the first step and ends of all [s],
+        ``(S + 1,)``. The result is cached for the second plane, whose steps are the same.
         """
         if ends.size not in self._samples_by_steps:
             self._samples_by_steps[ends.size] = self._samples(ends)

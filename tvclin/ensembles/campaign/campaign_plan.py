@@ -312,6 +312,7 @@ class Campaign(Case):
         self._check_outputs()
         if self.method == "latin" and self.cases > _MAX_LATIN_CASES:
             raise errors.InputError("a Latin hypercube is drawn as a whole: take at most 1e7 cases")
+        # no cases: refuses a dispersed parameter that has no nominal value, or zero
         self.dispersions.apply(self.nominal, np.zeros((0, len(self.dispersions.distributions))))
 
     def _check_planes(self) -> None:
@@ -351,7 +352,11 @@ class Campaign(Case):
         }
 
     def _check_outputs(self) -> None:
-        """Raise `InputError` for outputs that lack a law, limit, sign or gains."""
+        """Raise `InputError` for outputs that lack a law, limit, sign or gains.
+
+        `along`: flight with its autopilot, None for a single flight time. `controller`: autopilot
+        in state space, in place of gains. Some results are not used: their computation raises.
+        """
         if self.law != AUTOPILOT and "flight" not in self.outputs:
             raise errors.InputError(
                 'a law is flown by the output "flight"; add that, or leave out the law'
@@ -361,9 +366,9 @@ class Campaign(Case):
         if "flight" in self.outputs and self.nozzle.limit is None:
             raise errors.InputError('the output "flight" needs the limit of the nozzle: limit_deg')
         if not isinstance(self.wind, ShapedWind):
-            uses_encountered_pressure(self.sign)
+            uses_encountered_pressure(self.sign)  # refuses head and tail for a measured wind
         if self.controller is None:
-            _ = self.gains  # refuses a rule that cannot be
+            _ = self.gains  # refuses a design rule without a solution for the vehicle
         elif "flight" in self.outputs and self.law == AUTOPILOT:
             SaturatedLaw.of(self.autopilot)  # refuses an input that flights do not measure
         errors.different("dead_bands", self.dead_bands)

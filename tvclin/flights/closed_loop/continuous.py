@@ -145,14 +145,16 @@ class Loop:
         )
 
     def nozzle(self, states: FloatArray, regime: Regime | None = None) -> Any:
-        """Return the deflection [rad] of the actuator, from all states of the loop, ``(n, ...)``.
+        """Return the deflection [rad] of the actuator, ``(...)``, from all states of the loop.
 
-        `regime`: active limits. With it, a deflection that is not at its limit passes the limit
-        without a kink, so that the solver finds the instant; without it, it is clipped there.
+        `states`: ``(n, ...)``. `regime`: active limits; `regime.stop` is the sign of the deflection
+        limit while it is active, else zero. A deflection that is not at its limit then passes it
+        without a kink, so that the solver finds the instant; without `regime` it is clipped there.
         """
-        position = states[self.order]
+        position = states[self.order]  # the first state after the vehicle's
         if regime is None:
             return np.clip(position, -self.limit, self.limit)
+        # at the limit: a constant, in the shape of the states
         return regime.stop * self.limit + 0.0 * position if regime.stop else position
 
     def demand(self, states: FloatArray, measured: Measurement) -> Any:

@@ -149,16 +149,17 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
 def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     """Return the steering that gives the law's command within the limit, with the law's states.
 
-    Noise of the measured rate is drawn before the flight. The full limit is commanded from `engage`
-    to `release` of the law. `limit`: deflection limit [rad]. `step`, `count`: length [s] and number
-    of the steps.
+    Noise of the measured rate is drawn before the flight. The full limit is commanded, with the
+    sign `mode` of the demand, from a demand of `engage` times the limit on, until it falls to
+    `release` times it. `memory`: states of the law. `limit`: deflection limit [rad]. `step`,
+    `count`: length [s] and number of the steps.
     """
     demand_of, engage, release = law.demand, law.engage * limit, law.release * limit
     memory = np.zeros(len(law.states[0]))
     steps = law.state_space.to_steps(step)
-    level, seed = law.rate_noise
+    level, seed = law.rate_noise  # standard deviation [rad/s]
     noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None
-    mode = 0.0
+    mode = 0.0  # 1 or -1 while the full limit is commanded
 
     def command(k: int, measured: Measurement) -> float:
         """Return the commanded deflection [rad] at step `k`, and update the states of the law."""

@@ -166,10 +166,11 @@ def encountered_winds(
 ) -> Iterator[tuple[str, Vehicle, History]]:
     """Yield the direction of a wind, the vehicle at its largest dynamic pressure, and the wind.
 
-    The direction is empty for a wind with a single direction. `placed`: the wind in one plane.
-    `planes`: the placed wind of each plane, of which that in pitch sets the dynamic pressure.
-    `sign`: head, tail or frozen, of the case. `signed`: whether the wind may be either head or
-    tail. `interval`: flight times [s] of a measured wind, whose dynamic pressure is its own.
+    The direction is "head" or "tail" for a wind that may be either (`signed`), of which each is
+    yielded unless `sign` selects one; else empty. The wind [rad] is in flight time. `placed`: the
+    wind in one plane. `planes`: the placed wind of each plane; pitch sets the dynamic pressure.
+    `sign`: head, tail or frozen (nominal pressure), of the case. `interval`: first and last flight
+    time [s] of a measured wind, which has the dynamic pressure of its own speeds.
     """
     wind = (placed.two_sided or placed.history).shift(placed.zero)
     if interval is not None:
@@ -191,6 +192,7 @@ def encountered_winds(
     else:
         for direction in SIGNS if sign is None else (sign,):
             at_peak = at_pressure(vehicle, ratio) if direction == "head" else vehicle
+            # a head wind is negative, whatever the sign of the specified peak
             yield direction, at_peak, wind * float(SIGNS[direction] * np.sign(angle))
 
 

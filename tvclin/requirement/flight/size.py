@@ -522,7 +522,10 @@ def _along(
     winds: dict[bytes, list[NominalWind]] = {}
 
     def key_of(wind: PlacedWind) -> bytes:
-        """Return the bytes of a wind as its key, and store its histories."""
+        """Return the bytes of a wind as its key, and store the wind in `winds`, by sign.
+
+        A sounding has its wind speeds and their dynamic pressure, another wind the nominal one.
+        """
         histories = (wind.in_flight, *([wind.two_sided] if wind.two_sided else []))
         key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)
         if key not in winds:
