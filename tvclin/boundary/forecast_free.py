@@ -86,10 +86,11 @@ class UnstableCoordinates:
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
         """Return both ends [rad] of the slow coordinate's recoverable range at a fast coordinate.
 
-        They are the two paths that end at equilibrium with one switch of the full deflection.
-        `fast`: fast coordinate [rad]. `reach`: limit of the deflection over B [rad], at least its
-        size.
+        The ends lie on the two paths that reach equilibrium with one switch of the full deflection.
+        `fast`: coordinate [rad] of the fast pole, of a size up to `reach`. `reach`: deflection
+        limit over B [rad].
         """
+        # `slow_edges` takes and returns coordinates over `reach`
         low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high
 

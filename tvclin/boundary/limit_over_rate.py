@@ -294,8 +294,11 @@ class RateTradeOff(TradeOff):
 
     @property
     def notes(self) -> Iterator[str]:
-        """Return the notes on the trade-off, a sentence each."""
-        yield from linear_notes(self.angle)
+        """Yield the notes on the trade-off, a sentence each.
+
+        `no_forecast_bounds` is None where the wind changes its sign, which that bound excludes.
+        """
+        yield from linear_notes(self.angle)  # of the largest wind angle [rad]
         if self.minimum_deflection == 0.0:
             yield "the wind excites no unstable pole: neither angle nor rate is required"
         elif self.no_forecast_bounds is None:
@@ -427,12 +430,13 @@ class _Case:
 
     @property
     def fast_deflection(self) -> float:
-        """Minimum deflection [rad] for the condition of the fastest pole p, at any rate.
+        """Minimum deflection [rad] for the condition of the fastest pole p, without a rate limit.
 
-        The condition is on the integral of e^(-p t) delta dt, its demand [rad s]; a constant
-        deflection satisfies it with p times the demand.
+        The condition is that the integral of e^(-p t) delta dt over all time equals a demand
+        [rad s] of the wind; a constant deflection satisfies it with p times the demand. Zero
+        without an unstable pole.
         """
-        demands = self.constraints.demands
+        demands = self.constraints.demands  # by pole, the fastest first
         return self.pole * abs(float(demands[0])) if demands.size else 0.0
 
     @property
@@ -561,7 +565,7 @@ def _case_of(plant: Plant, wind: History, acceleration: float, forecast: bool) -
 
     `acceleration`: its limit [rad/s2], maybe infinite.
     """
-    # what is no single wind with an onset is refused by `constraints_of`
+    # the control starts with the wind; `constraints_of` refuses what is not one wind
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     constraints = constraints_of(plant, wind, start if np.isfinite(start) else 0.0)
     poles = constraints.poles

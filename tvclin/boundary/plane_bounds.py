@@ -492,11 +492,12 @@ class _Moments:
         return (self.poles * self.axes)[:, np.newaxis] * decay, weights
 
     def norm(self, multipliers: FloatArray) -> float:
-        """Return N, the integral of the support of lambda . a p e^(-p t) over time, by quadrature.
+        """Return N(l), the integral of h_S(sum l a p e^(-p t)) over time, by quadrature.
 
-        `multipliers`: lambda, ``(k,)``, of the k poles p; a is 1 in pitch and j in yaw.
+        h_S is the support function of the limit shape S. `multipliers`: l, ``(k,)``, for the k
+        poles p, each with its axis a, 1 in pitch and j in yaw.
         """
-        values, weights = self.nodes
+        values, weights = self.nodes  # a p e^(-p t) at the nodes of time, and their weights [s]
         return float(weights @ self.limit_shape.support(multipliers @ values))
 
 

@@ -232,10 +232,11 @@ def _verdict_with_times(balloon: Today, result: Availability) -> str:
 
 
 def _verdict(balloon: Today) -> str:
-    """Return the verdict on a balloon with its requirement, in words.
+    """Return the verdict GO, NO GO or NOT KNOWN on a launch, with its requirement in degrees.
 
-    Go takes the upper bound of the requirement [rad], no go the lower; where it is not known its
-    reason stands, or else both bounds.
+    `balloon`: verdict on the launch from one balloon. GO shows the upper bound of the required
+    deflection, NO GO the lower one, and the fraction of archived soundings that require less.
+    NOT KNOWN (`go` is None) shows its reason, or else both bounds.
     """
     if balloon.go is None:
         between = (

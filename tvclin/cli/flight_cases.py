@@ -68,7 +68,10 @@ class Compared:
         return dict(zip(("flown", self.reference), values, strict=True))
 
     def show(self, shown: ShownCurves, more: bool) -> bool:
-        """Write and print the flight, with `more` its details, and return whether it survived."""
+        """Print the flight, write its files, and return whether it survived.
+
+        `shown`: options of JSON, CSV file and figure. `more`: print the details too, `heads`.
+        """
         self.write(shown)
         if shown.as_json:
             print_json(self.document())

@@ -293,16 +293,17 @@ def named(
     values: Mapping[str, Any],
     keys: Mapping[str, str],
 ) -> ValueError:
-    """Return the error of a command with its options in place of arguments, if it is of an input.
+    """Return the error of a command with options in its message in place of arguments.
 
-    `options`: the parameters of the command. `values`: their values, by name. `keys`: keys of --set
-    that give an argument, where no option does.
+    Errors other than `InputError` stay. `options`: typer's parameters of the command. `values`:
+    their values, by parameter. `keys`: keys of --set by the argument that they give, for arguments
+    of which no option is on the command line.
     """
     if not isinstance(error, InputError):
         return error
     flags = [option for option in options if option.opts[0].startswith("--")]
     set_flags = [option.opts[0] for option in flags if is_set(option, values)]
-    candidates = _candidates(flags)
+    candidates = _candidates(flags)  # options that may give each argument
     for name, key in keys.items():
         if not set(candidates.get(name, ())) & set(set_flags):
             candidates[name] = (f"--set {key}",)

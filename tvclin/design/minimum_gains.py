@@ -339,7 +339,7 @@ def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> Floa
 
     The largest over the winds of the problem, until eight time constants of the fastest unstable
     mode after each, without samples. `points`: gains in the unit box, ``(n, axes)``. `goal`: not
-    used; `required_limits`, its substitute with limits, is exact below it alone.
+    used; a `requirement` of `_cost` has it, as `required_limits` is exact below it alone.
     """
     del goal
     rows = replace(problem.autopilot(points), sample_rate=None)

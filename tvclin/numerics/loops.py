@@ -115,12 +115,15 @@ class Rational:
     def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega = j (N'/N - D'/D) of G = N/D, L without delay, at j omega.
 
-        `omega`: frequencies [rad/s], ``(..., k)``.
+        `omega`: frequencies [rad/s], ``(..., k)``. `product` and `inverse` divide with the same
+        rounding everywhere.
         """
-        slopes = [polynomials.derivative(p) for p in (self.numerator, self.denominator)]
-        rises = [polynomials.on_axis(slope, omega) for slope in slopes]  # N' and D' at j omega
-        N_ratio, D_ratio = map(product, rises, map(inverse, self.undelayed(omega)))
-        return 1j * (N_ratio - D_ratio)
+        N, D = self.undelayed(omega)
+        dN, dD = (
+            polynomials.on_axis(polynomials.derivative(p), omega)
+            for p in (self.numerator, self.denominator)
+        )
+        return 1j * (product(dN, inverse(N)) - product(dD, inverse(D)))
 
     def open_poles(self) -> AnyArray:
         """Return the roots of the denominator [1/s], ``(..., n)``."""

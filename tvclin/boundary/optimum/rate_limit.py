@@ -334,26 +334,28 @@ def minimum_peak_at_rate(
 def _refined(
     constraints: Constraints, unlimited: Optimum, start: float, rate: float, steps: int
 ) -> tuple[RateProgram, float, float]:
-    """Return the program on nodes that are fine enough, the peak in units, and its last change.
+    """Return the program on nodes that are fine enough, its peak and the peak's last change.
 
-    `constraints`: conditions of the case. `unlimited`: deflection of minimum peak at any rate, from
-    `start` [s] on; its peak is the unit. `rate`: limit [rad/s]. `steps`: intervals to begin with.
-    The peak is infinite where the rate is too small.
+    The peak is over the peak of `unlimited`, and infinite where the rate is too small; the change
+    is the decrease by the last refinement of the nodes, relative to the peak. `constraints`:
+    conditions of the case. `unlimited`: deflection of minimum peak without a rate limit, from
+    `start` [s] on. `rate`: limit [rad/s]. `steps`: intervals to begin with.
     """
     nodes = _first_nodes(constraints, unlimited.switch_times - start, steps)
     change, lowest = np.inf, np.inf
     best = program = RateProgram(constraints, nodes, rate=rate, unit=unlimited.peak)
     for _ in range(_REFINEMENTS):
-        solution = program.minimum_peak()
+        solution = program.minimum_peak()  # values at the nodes, and prices of the conditions
         if solution is None:
             break
-        peak = float(np.abs(solution[0]).max())
+        values, prices = solution
+        peak = float(np.abs(values).max())
         change = lowest / peak - 1.0
         if peak < lowest:
             best, lowest = program, peak
         if change < _RELATIVE_CHANGE:
             break
-        program = replace(program, nodes=_with_corners(program, *solution))
+        program = replace(program, nodes=_with_corners(program, values, prices))
     return best, lowest, max(change, 0.0)
 
 

@@ -371,10 +371,11 @@ def _mode_cells(k: int, mode: ModeBand) -> tuple[Line, ...]:
 
 
 def _gain_cells(k: int, mode: ModeBand, loop: Margins) -> Iterator[tuple[Line, ...]]:
-    """Yield the cells of a row with a mode's gain margin, if it is the margin of the whole loop.
+    """Yield the rows of a mode's gain margins that decide the whole loop's, at most two.
 
-    The cells are the name with "down" or "up", none, frequency and margin. `k`: index of the mode,
-    for the keys of the numbers. `loop`: margins of the whole loop.
+    "down" is the factor by which the gain may fall, "up" by which it may rise. The cells are name,
+    no phase, frequency and margin [dB]. `k`: index of the mode, for the keys of the numbers.
+    `loop`: margins of the whole loop.
     """
     margins = {"reduction": ("down", loop.aero_margin), "increase": ("up", loop.gain_increase)}
     for change, (label, of_loop) in margins.items():

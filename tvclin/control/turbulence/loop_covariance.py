@@ -133,9 +133,10 @@ class GaussianOutputs(Shown):
     def _exceedances(self, limit: float, output: str) -> FloatArray:
         """Return the probability of ``|output| > limit`` at each of the n times, ``(n,)``.
 
-        `limit`: in the SI unit of the output.
+        `limit`: in the SI unit of the output, which is Gaussian with mean and deviation of a time.
         """
-        bound, (row, direct) = number("limit", limit, positive), self._row(output)
+        bound = number("limit", limit, positive)
+        row, direct = self._row(output)  # output = row x + direct alpha_w
         return exceedance(bound, self._mean_of(row, direct), self._deviation_of(row))
 
 

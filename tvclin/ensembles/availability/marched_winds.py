@@ -273,10 +273,11 @@ class MarchedWinds:
         return undecided, insufficient
 
     def survive(self, limit: FloatArray, cases: IndexArray) -> BoolArray:
-        """Return whether flights survive with limits [rad] and with all above them.
+        """Return whether flights survive with limits [rad] and all above them, ``(cases,)``.
 
-        `limit`: a limit for each of the n winds, ``(n,)``. `cases`: indices of the winds that are
-        flown, in whose order the answers are.
+        `limit`: a limit for each of the n winds, ``(n,)``, those that are not flown included.
+        `cases`: indices of the winds that are flown. The bounds, lower and upper, of the required
+        deflection [rad] decide flights whose limit lies outside them.
         """
         flights = self.march.flights(self.winds.select(cases))
         return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])

@@ -270,16 +270,18 @@ def fly_many(
         check_span(0.0, span)
         check_samples(span, 1.0 / float(rate.max(initial=0.01)))
     factor, limit, max_rate = (np.broadcast_to(a, shape) for a in (factor, limit, max_rate))
+    # cases that can be flown; the others are "no flight"
     possible = (
         (limit > 0.0) & (limit <= MAX_DEFLECTION_LIMIT) & (max_rate > 0.0) & np.isfinite(wind.end)
     )
     possible &= fastest_poles(plant) <= MAX_POLE_TIMES_SAMPLE * rate
+    # without a given end a flight lasts until its outcome is decided
     possible &= (stop < np.inf) | ((wind.end - wind.onset) * rate <= MAX_SAMPLES)
     possible &= (stop < np.inf) | np.broadcast_to(decidable(plant), shape)
     hardware = Hardware(1.0 / rate, delays, actuator=actuator, rate_limit=max_rate)
     batch = Batch(plant, hardware, wind, laws, limit=limit, shape=shape, gain=factor, until=stop)
     if not np.any(possible):
-        return flown_cases(None, possible, possible)
+        return flown_cases(None, possible, rings=possible)  # no case: nothing rings
     flyable = batch if np.all(possible) else batch.only(possible)
     f = flown(flyable)
     return flown_cases(f, possible, unstable_loops(flyable, f))

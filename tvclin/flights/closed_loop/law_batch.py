@@ -114,9 +114,9 @@ _TYPES = {float: np.float64, bool: np.bool_}
 
 
 def law_rows(numbers: Sequence[LawNumbers]) -> AnyArray:
-    """Return the numbers of laws as a structured array, ``(laws,)``: machine code takes no list.
+    """Return the numbers of laws as a structured array, ``(laws,)``, with fields of `LawNumbers`.
 
-    It has the fields of `LawNumbers`, which its elements replace.
+    Compiled kernels take an array in place of a list of tuples.
     """
     kinds = [(name, _TYPES[type(value)]) for name, value in LawNumbers()._asdict().items()]
     return np.array(numbers, dtype=kinds)

@@ -479,9 +479,10 @@ class Airframe:
             reference = _plain_rows(trajectory[1:, [1, 4]])  # attitude rate and deflection
 
         def hold() -> None:
-            """Set the deflection of the other plane for the next step: the reference, and feedback.
+            """Set the deflection of the other plane for the next step: reference plus feedback.
 
-            Fed back are nose minus path, and the attitude rate minus the path's.
+            Fed back are attitude minus flight path angle [rad], and the attitude rate minus the
+            reference's [rad/s], with the gains `on_lean` and `on_rate`.
             """
             path_rate, deflection = next(reference)
             attitude, path = angles()

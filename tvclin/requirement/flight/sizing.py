@@ -214,7 +214,9 @@ class Sizing(Tabled):
         return {name: worst.deflection for name, worst in self.worst.items()}
 
     def worst_in(self, wind: str) -> dict[Requirement, Worst]:
-        """Return the largest value of each requirement in a wind.
+        """Return the largest value [rad] of each requirement over the flight, with its time.
+
+        `wind`: name of the wind, one of `winds`.
 
         Raises
         ------
@@ -288,10 +290,11 @@ class Sizing(Tabled):
         return (*(word for word, unknown in words.items() if unknown), *self.gaps)
 
     def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
-        """Return the largest value of each requirement in the winds with these indices.
+        """Return the largest value [rad] of each requirement over the flight, with time and wind.
 
-        Its time is the flight time or, for a wind that is fixed in flight time, the time at which
-        the requirement arises.
+        `winds`: indices of the winds. A requirement that is NaN throughout is omitted. The time is
+        the flight time or, for a wind that is fixed in flight time, the time at which the
+        requirement arises.
         """
         largest = {}
         for name, required in self.required.items():

@@ -214,12 +214,13 @@ class DeflectionTotal(Shown):
     def sufficient(self) -> bool | None:
         """Whether the limit covers the total and the reserve, at the available rate.
 
-        Without a limit False where the rate limit is too low, else None. None also where the limit
-        is sufficient at the flight times that are known, and others are not known.
+        Without a limit False where the rate limit is too low, else None. None also where no
+        contribution of the wind is known, and where the limit is sufficient at the flight times
+        that are known, and others are not known.
         """
         if self.limit is None:
             return False if self.too_slow else None
-        if not self.lines:
+        if not self.lines:  # the wind's contribution is known at no flight time
             return None
         sufficient = bool(self.required <= self.limit * (1.0 + 1e-12)) and not self.too_slow
         return None if sufficient and self.not_sized else sufficient
@@ -232,7 +233,11 @@ class DeflectionTotal(Shown):
 
 
 def total_table(total: DeflectionTotal) -> Table:
-    """Return the contributions and the total as a table."""
+    """Return the table of the contributions [deg], the total, and the budget if there is a reserve.
+
+    The row of the wind is labelled with the requirement that counts for it, `total.counted`. The
+    caption says at which flight time, "of those that are known" where others are `not_sized`.
+    """
     wind = f"wind, {total.counted}" if total.counted else "wind"
     rows = rows_of(total, "total", wind)
     rows.append((("total",), (SUMS,), degrees("total.total", total.total)))

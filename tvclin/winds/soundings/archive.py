@@ -73,9 +73,12 @@ class Soundings:
     utc_offset: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the arrays, and set all fields; `InputError` as the class says."""
-        set_field = partial(object.__setattr__, self)
-        for name, (low, high, unit) in RANGES.items():
+        """Check all fields, and set them to arrays and tuples; `InputError` as the class says.
+
+        Without `why` soundings with fewer than two levels get the reason `TOO_FEW`.
+        """
+        set_field = partial(object.__setattr__, self)  # the class is frozen
+        for name, (low, high, unit) in RANGES.items():  # height, east and north
             set_field(name, errors.within(name, getattr(self, name), low, high, unit))
         set_field("offsets", self._checked_offsets())
         set_field("times", to_minutes(self.times))
@@ -87,6 +90,7 @@ class Soundings:
         if not why:
             why = tuple("" if n > 1 else TOO_FEW for n in self.counts.tolist())
         set_field("why", why)
+        # `usable` says of each sounding that its reason is empty
         if len(why) != len(self) or np.any((self.counts < 2) & self.usable):
             raise errors.InputError(
                 "why must hold a reason for each sounding with fewer than two levels"

@@ -250,21 +250,25 @@ class _StationStream:
     heads: list[_Header] = field(default_factory=list)
 
     def take(self, line: bytes) -> None:
-        """Parse the next line of the file: a header, or a level, which is kept if accepted."""
+        """Parse the next line of the file, a header or a level, and collect it in the block.
+
+        A block is the levels of many soundings that are parsed together. Levels are collected
+        while `accepting`: the header above them passed the filter.
+        """
         self.number += 1
         # the first line may begin with a byte order mark of three bytes
         if line[:1] == b"#" or (self.number == 1 and _HEADER_START.match(line[3:])):
             self._head(line.removeprefix(b"\xef\xbb\xbf").decode("latin-1").rstrip())
         elif self.accepting and not line.isspace():
-            # blocks end at a header: a sounding may go on beyond the usual number of levels
+            # `_head` ends a full block, so its last sounding may still have `_MAX_LEVELS` levels
             if len(self.lines) > _LEVELS_PER_BLOCK + _MAX_LEVELS:
                 raise InputError(f"{self.name}, line {self.number}: more than {_MAX_LEVELS} levels")
             self.lines.append(line)
             self.numbers.append(self.number)
 
     def _head(self, line: str) -> None:
-        """Parse the line of a header, and decide whether its levels are accepted."""
-        if len(self.lines) > _LEVELS_PER_BLOCK:
+        """Parse the line of a header, and set `accepting`: whether its levels are collected."""
+        if len(self.lines) > _LEVELS_PER_BLOCK:  # the block is full
             self.end()
         self.accepting = False
         self.headers += 1
