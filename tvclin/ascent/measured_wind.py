@@ -257,7 +257,8 @@ class MeasuredPlanes:
     def component(self, plane: str, vehicle: Vehicle) -> MeasuredWind | None:
         """Return the wind of one plane with its component of the gust; None for a calm plane.
 
-        `vehicle`: has the flight time, at which the gust has the direction of the largest wind.
+        The gust points where the wind vector is largest around the time of `vehicle`; the wind of a
+        plane in which it has no component is returned without a gust.
         """
         wind = self.parts.get(plane)
         if wind is None or self.gust is None:

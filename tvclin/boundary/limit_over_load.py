@@ -458,9 +458,10 @@ class LoadLimits:
             return LEAST_LOAD
         floors = {ANGLE: self.minimum_deflection}
         if not self.case.ratio and np.isinf(self.case.rate):
-            # constant deflection [rad] that turns the vehicle into the wind in time
-            free, constant = self._responses
-            floors[TURN] = float(np.max((np.abs(free) - load) / constant, initial=0.0))
+            # without M the load is the angle of attack: a constant deflection must reduce it
+            free, change_per_deflection = self._responses
+            required = (np.abs(free) - load) / change_per_deflection  # [rad]
+            floors[TURN] = float(np.max(required, initial=0.0))
         labels = (k for k, floor in floors.items() if limit <= floor * (1.0 + _RELATIVE_TOLERANCE))
         return next(labels, BOTH)
 
@@ -483,19 +484,18 @@ class LoadLimits:
 
 
 def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLimits:
-    """Return the points and bounds of `load_trade_off` before any program is solved.
+    """Return the points and bounds of `load_trade_off` before any linear program is solved.
 
-    They are the minimum deflection at any load and, without a rate limit, the point of its control;
-    the programs are on `_nodes`. `plant`, `wind`: one each. `ratio`: M, load per deflection.
-    `rate`: rate limit [rad/s]; infinite if none. `InputError` for a rate limit with which no
-    deflection survives.
+    They are the minimum deflection at any load and, without a rate limit, the point (load, peak) of
+    its control. `plant`, `wind`: one each. `ratio`: M of the load alpha + M delta. `rate`: rate
+    limit [rad/s]; infinite if none. `InputError` for one with which no deflection survives.
     """
     # what is no single wind with an onset is refused by `optimum_deflection`
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
     optimum = optimum_deflection(plant, wind, start if np.isfinite(start) else 0.0)
     case = LoadCase(plant, wind, reference=optimum.deflection, ratio=ratio, rate=rate)
     no_forecast = no_forecast_deflection(plant, wind)
-    minimum_deflection = optimum.certificate.dual
+    minimum_deflection = optimum.certificate.dual  # proved bound [rad], just below the peak
     if np.isfinite(rate):
         slow = rate_trade_off(plant, wind, [rate], rate_limit=rate)
         minimum_deflection = float(slow.limits[0])
@@ -506,7 +506,7 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
                 f" {np.degrees(rate):.4g} deg/s, and more than {np.degrees(least):.6g} deg/s"
                 f" ({least:.6g} rad/s) is required"
             )
-        if no_forecast:
+        if no_forecast:  # a ramp of that rate must go to a larger deflection
             pole = float(np.real(unstable_poles(plant)[0]))
             no_forecast = float(ramped_deflection(no_forecast, pole, rate))
     limits = LoadLimits(

@@ -462,6 +462,7 @@ class Cluster(LimitShape):
         object.__setattr__(self, "hold_roll", errors.flag("hold_roll", self.hold_roll))
         directions = np.exp(2j * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS)
         bias, roll = self._stuck  # mean deflection and roll moment of the engines that are stuck
+        # the moving engines' largest moment in either direction must exceed that of the stuck ones
         if min(self._rolls(1.0) + roll, self._rolls(-1.0) - roll) <= 0.0 and roll:
             raise errors.InputError("engines must balance the roll moment of the one that is stuck")
         worst = -bias / abs(bias) if bias else 1.0
@@ -548,7 +549,8 @@ class Cluster(LimitShape):
     def _rolls(self, sign: float) -> float:
         """Return the largest roll moment of the moving engines with a `sign`; zero if roll is free.
 
-        Normalised by the total thrust and the largest distance from the axis, as in `_stuck`.
+        Normalised by the total thrust and the largest distance from the axis, as in `_stuck`. It is
+        the sum of s_j h_j(sign a_j): the furthest that each engine reaches along its arm.
         """
         no_direction = np.zeros((), dtype=complex)
         return float(self._sum(no_direction, np.asarray(sign))) if self.hold_roll else 0.0
@@ -556,9 +558,10 @@ class Cluster(LimitShape):
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
         """Return the sum over moving engines of s_j h_j(d + rho a_j), in the shape of d and rho.
 
-        s_j: share of the thrust. h_j: support function. `d`: complex vectors. a_j: arm about the
-        roll axis, and `rho` its multiplier. With roll held the support along d is the minimum of
-        this sum over rho.
+        Of engine j, s_j is the share of the thrust, h_j the support function of its limit shape and
+        a_j its arm about the roll axis (`_arm`). `d`: directions, complex. `rho`: multiplier of the
+        condition that the roll moment is zero: with roll held, the support along d is the minimum
+        of this sum over rho.
         """
         supports = [
             share * engine.limit_shape.support(d + rho * self._arm(engine))

@@ -254,16 +254,16 @@ def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], Float
 
 
 def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
-    """Return the lower bound [rad] for laws that know the wind, but not when it stops.
+    """Return the lower bound y [rad] for laws that know the wind, but not when it stops.
 
-    The fast mode of each plane of `pair` sets it: the demand of the wind from its onset to any time
-    must be in y S, and that between any two times in y (S - S), with S the `limit_shape` and y the
-    bound. The maximum over both times is taken on a grid and refined. With planes that differ, it
-    is computed for states that a constant vector returns from: up to two percent too large where
-    the poles differ by half.
+    The demand between two times is the constant deflection vector that cancels what the wind does
+    to the fast modes of the planes of `pair` in between. From the onset to any time it must be in
+    y S, between any two times in y (S - S), S being the `limit_shape`. The maximum is taken on a
+    grid and refined. With planes that differ, it is computed for states from which a constant
+    vector returns: up to two percent too large where the poles differ by half.
     """
     onset, end = float(pair.wind.onset), float(pair.wind.end)
-    shown = pair.times()
+    shown = pair.times()  # breakpoints of the wind, and times [s] that show its shape
     times = shown[:: max(1, shown.size // _TIMES)]
     times = np.union1d(np.append(times, [onset, end]), np.linspace(onset, end, _TIMES // 2))
     gauge = _difference_gauge(limit_shape)

@@ -322,6 +322,7 @@ class LoopInTurbulence(Shown):
         slopes = None
         if load is not None:
             errors.instance("load", load, LoadBound, "of one bound")
+            # the load alpha + M delta [rad], M = `ratio`, takes the place of a bending moment
             slopes = LoadSlopes(alpha_moment=1.0, deflection_moment=load.ratio)
         history = turbulence_history(
             autopilot, plant, air, speed, duration, wind=ended, settled=True, loads=slopes

@@ -320,11 +320,12 @@ def _judged_planes(sizing: Sizing) -> str:
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
-    """Yield notes on options that would cover flight times which a sizing does not.
+    """Yield notes on options that change the flight times, or the window of a sounding.
 
-    `request`: the flight, its times and winds, of which the sizing is the result. Options are also
-    named that leave out times at which a wind is not known, and one that counts less of a sounding,
-    where beta or B changes by more than a tenth in it.
+    `request`: request of the flight, its times and winds. `sizing`: its result, with the required
+    deflection by time and wind. Times may be added that no option excluded, or left out where a
+    wind is not known; a window is advised where beta or B changes by more than a tenth within a
+    sounding.
     """
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
@@ -344,7 +345,7 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     options += [f"--to {hundredths(latest, up=False)}"] if end > latest else []
     if options:
         yield f"{' '.join(options)} leaves out the flight times at which a wind is not known"
-    # of frozen parameters, whose error varying ones would tell
+    # the parameters are frozen at each time, though they change, and that error was not computed
     doubtful = not sizing.freezing_error and (sizing.change > STEADY).any()
     if request.soundings and request.window is None and doubtful:
         yield (

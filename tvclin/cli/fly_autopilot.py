@@ -80,7 +80,10 @@ class LinearCase(Flying):
 
     @cached_property
     def control(self) -> Law:
-        """The law, with the filters of the case."""
+        """Control law of --law for the rigid plant, with the filters of the case.
+
+        `InputError` for the report's law, which --engine planar and sixdof alone fly.
+        """
         if self.law == REPORT:
             raise InputError(
                 f"--law {REPORT} has no actuator and no samples: fly it by --engine planar or"
@@ -304,7 +307,8 @@ class AutopilotFlight:
     def unknown_reason(self) -> str:
         """Reason why the linear theory gives no answer in this wind; empty if it does.
 
-        It is the wind angle, or else the largest angle of attack without a limit.
+        It is the wind angle, or else the largest angle of attack of the autopilot without limits,
+        which counts only where its loop is stable.
         """
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         return beyond_linear(float(self.compared.wind.peak)) or beyond_linear(attack, ATTACK)
@@ -316,7 +320,11 @@ class AutopilotFlight:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes on the wind angle and angle of attack, the loop, the flight and the gains."""
+        """Notes on the wind angle and angle of attack, the loop, the flight and the gains.
+
+        `compared` is the autopilot without limits in this wind, beside trim; `case.held_to` are the
+        criteria on its margins.
+        """
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
         delay, satisfied = self.compared.margins.delay_margin, self.criteria_satisfied

@@ -155,20 +155,20 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     verdict, and the first table of turbulence.
     """
     s, several = findings.study, len(questions(findings)) > 1
-    headline, wind = text(sentence(findings)), text(tables.requirement(s))
-    days = () if findings.availability is None else findings.availability.notes
-    further_notes = [*_loop_notes(findings), *days]
+    headline, requirement = text(sentence(findings)), text(tables.requirement(s))
+    archive_notes = () if findings.availability is None else findings.availability.notes
+    further_notes = [*_loop_notes(findings), *archive_notes]
     turbulence, unknown = findings.turbulence, findings.reasons.get("turbulence")
     if unknown and not several:
         further_notes.append(f"turbulence: {unknown}")
 
     print_answer(
-        headline if several else f"{headline}\n{wind}",
+        headline if several else f"{headline}\n{requirement}",
         questions_table(findings) if several else tables.boundaries(s),
         *([] if several or turbulence is None else turbulence.tables()[:1]),
         notes=(*further_notes, *s.notes) if several else (*s.notes, *further_notes),
         more=more,
-        details=lambda: _print_details(findings, source, wind if several else ""),
+        details=lambda: _print_details(findings, source, requirement if several else ""),
     )
     if explain:
         from tvclin.studyfile.glossary import quantity_table, symbol_table

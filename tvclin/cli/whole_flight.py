@@ -89,8 +89,9 @@ def fly_flight(
 ) -> None:
     """Fly the autopilot of a flight through each wind, and print the verdict on the limit.
 
-    `source`: file of the flight. `changes`: functions that put options over its plan. `more`:
-    whether all winds and notes are printed.
+    `source`: file of the flight. `winds`: options of its winds and times. `changes`: functions that
+    put options into its plan, as `winds.over` does. `more`: whether all winds and notes are
+    printed. `shown`: histories that are drawn or written.
     """
     reading = SoundingReading.of(source_tables(source), Path(source).parent)
     loop = flight_loop(source, *changes, winds.over, soundings=winds.soundings(reading))

@@ -141,7 +141,7 @@ class FlightComparison:
     def in_unknown_wind(self) -> Self:
         """Return the comparison where parts of the wind are not known: no flight survives for sure.
 
-        A flight that is lost stays so.
+        A flight that survives, or is predicted to, becomes not known, None; a loss remains, False.
         """
         survived, predicted = (
             False if x is False else None for x in (self.survived, self.predicted)

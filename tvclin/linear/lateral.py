@@ -107,11 +107,12 @@ class LateralSensors:
         if self.drift and "drift" in system.outputs:
             k = system.outputs.index("drift")
             rows[DRIFT] = system.C[..., k, :], system.D[..., k, :]
-            if np.any(system.D[..., k, :]):
+            if np.any(system.D[..., k, :]):  # D: direct effect of deflection and wind
                 raise InputError("drift of the plant must not follow deflection or wind at once")
         elif self.drift:
             blocks.append(_first_order(pole=0.0, gain=1.0, input=DRIFT_RATE, output=DRIFT))
         if self.acceleration:
+            # the accelerometer lags behind the acceleration that acts on it, `_FORCE`
             rows[_FORCE] = plant.lateral_rows("acceleration", self.station)
             pole, gain = -self.bandwidth, self.bandwidth
             blocks.append(_first_order(pole, gain, input=_FORCE, output=ACCELERATION))

@@ -369,14 +369,14 @@ def _horizon(system: "control.StateSpace", longest: float) -> float:
 
     `system`: closed loop with the outputs and the input of the figure. `longest`: longest time [s]
     for slow modes; infinite without limit. A mode is relevant by its largest residue over its pole,
-    the size of its part in a step response. The time is `_SETTLING_CONSTANTS` time constants of the
-    slowest decaying mode; an unstable mode, or else an undamped oscillation, counts instead.
+    the size of its part in a step response. The time is 5 time constants of the slowest decaying
+    mode; of an unstable mode 3, or else of an undamped oscillation `_SHORT` over its frequency.
     """
     poles, vectors = np.linalg.eig(system.A)
     scale = float(np.abs(poles).max()) or 1.0
     excited = np.linalg.pinv(vectors) @ system.B  # left eigenvectors times B
     sizes = np.abs(system.C @ vectors).max(axis=0) * np.abs(excited).max(axis=1)
-    sizes = sizes / np.maximum(np.abs(poles), ON_AXIS * scale)
+    sizes = sizes / np.maximum(np.abs(poles), ON_AXIS * scale)  # a pole at zero is finite
     poles = poles[sizes >= _MIN_MODE_SIZE * sizes.max()]
     falling, growing = poles.real < -ON_AXIS * scale, poles.real > ON_AXIS * scale
     time = _SETTLING_CONSTANTS / -float(poles.real[falling].max()) if falling.any() else np.inf

@@ -323,9 +323,10 @@ def _exits(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return minimum peaks [rad] over several modes, and limits [rad] and times [s] of exits.
 
-    `trim_and_demand`: deflections of trim in the winds, and limits sufficient when held from then
-    on. `dead_band`: K, from 0 to 1, whose exits they are. All returned are ``(n,)``. Peaks are zero
-    for cases with one mode, limits and times with K = 1.
+    All are ``(n,)``: the smallest peak of any control from the onset of a wind on, zero for a case
+    with one mode; and for `dead_band` K < 1 the limit that is required, and the time at which the
+    control leaves the dead band; both zero for K = 1. `trim_and_demand`: curves of the deflection
+    of trim, and of the limit that is sufficient when held from then on.
     """
     minimum, limit, time = np.zeros((3, len(trim_and_demand.trim)))
     ratios = None  # trim over K [rad]: for 0 < K < 1 minima count from the exit on too
@@ -333,6 +334,7 @@ def _exits(
         with np.errstate(divide="ignore", invalid="ignore"):
             limit, time = trim_and_demand.limit_of_dead_band(dead_band)
         ratios = trim_and_demand.trim_ratios(dead_band) if dead_band > 0.0 else None
+    # minimum peaks from the ends of steps on, (k, S + 1), of k cases with equally many modes
     for cases, peaks in winds.peaks_over_modes(trim_and_demand.path, ratios):
         minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])  # from the onset on
         if ratios is None:

@@ -130,7 +130,7 @@ def _linear(findings: Findings) -> Iterator[Assumption]:
     beyond `MAX_CERTAIN_ANGLE`; so is a larger wind that the limit survives.
     """
     s, c = findings.study, findings.comparison
-    vector = s.slanting if s.judges_both_planes else None
+    vector = s.slanting if s.judges_both_planes else None  # wind with a heading to the path
     angle = abs(float(s.history.peak if vector is None else vector.peak))
     if c is not None and np.isfinite(c.peak_angle_of_attack):
         angle = max(angle, c.peak_angle_of_attack * s.plane_ratio)
@@ -264,7 +264,9 @@ def detuning_notes(findings: Findings) -> Iterator[str]:
 def _nozzle(findings: Findings) -> Iterator[Assumption]:
     """Yield the assumption on the rate limit, with the rate that the autopilot requires.
 
-    `findings`: results of a study plan, with the autopilot in the wind if it has one.
+    It is the reader's to judge without a rate limit, and doubtful if the limit is below the rate of
+    the autopilot, or below the required rate of the theory. `findings`: results of a study plan;
+    its comparison has the autopilot in the wind, without limits.
     """
     rate_limit = findings.plan.nozzle.rate_limit
     rate_text: Line = ()

@@ -241,13 +241,14 @@ class ShapedWind:
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
     """Return the wind angle [rad] in one plane, of a wind with a heading, with its gust there.
 
-    `peaks`: peak angles [rad] of the wind by plane.
+    `peaks`: peak angles [rad] of the wind by plane, components of the vector whose size, with the
+    sign of the wind's peak, is its peak. The gust has the same direction.
     """
     peak, size = peaks[plane], math.copysign(math.hypot(*peaks.values()), wind.peak)
     if peak == 0.0:  # zero throughout, with the breakpoints of the wind in the other plane
         return wind.history({"wind_peak": size}) * 0.0
     gust = None if wind.gust is None else wind.gust * (peak / size)
-    return replace(wind, peak=peak, heading=None, gust=gust).history({})
+    return replace(wind, peak=peak, heading=None, gust=gust).history({})  # nothing is dispersed
 
 
 @dataclass(frozen=True, eq=False)

@@ -326,11 +326,11 @@ def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
 
 
 def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
-    """Return the table of margins by band; without the rigid body for an unstable loop.
+    """Return the table of margins by band: the rigid body, if the loop is stable, and each mode.
 
-    A mode at whose phase crossover the gain may fall or rise the least has a row for that, so that
-    the margins of the whole loop are among those of the bands. `judged`: judgements of modes;
-    without any the table has no columns for limits.
+    A mode that sets a gain margin of the whole loop has a further row for it. `judged`: judgements
+    of criteria; if they are about a mode, its last two columns are the required margin and the
+    surplus. Without any the table lacks these columns.
     """
     rows: list[tuple[Line, ...]] = []
     # the first three margins: gain may fall, gain may rise, phase
@@ -340,6 +340,7 @@ def band_table(bands: BandMargins, judged: Sequence[Judgement] = ()) -> Table:
         value = margin(f"rigid.{name}", getattr(bands.rigid, name), unit)
         rows.append(((f"rigid {label}",), ("",), at, value, ("",), ("",)))
     rows = rows if bands.margins.stable else []
+    # the band of a judgement is the name of a mode, or empty for the whole loop
     by_mode = {j.band: j for j in judged if j.band and not np.isnan(j.value)}
     for k, mode in enumerate(bands.modes):
         rows.append((*_mode_cells(k, mode), *_limit_cells(by_mode.get(mode.name))))

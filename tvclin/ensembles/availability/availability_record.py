@@ -210,7 +210,8 @@ class Availability(Tabled):
             judged = ~np.isnan(upper)
             if not np.any(judged):
                 return np.full(fractions.shape, np.nan)
-            # numbers of soundings that fly, and do not, with each upper bound as the limit
+            # Each upper bound, rising, is a limit to try: numbers of soundings that fly with it
+            # (their own bound is at most the limit), and that do not (their lower bound is above).
             high, low = np.sort(upper[judged]), np.sort(lower[judged])
             flown = np.searchsorted(high, high, side="right")
             not_flown = low.size - np.searchsorted(low, high, side="right")

@@ -201,6 +201,7 @@ class Judge:
             below = bounds.wind_known & (bounds.lowest <= limit) & (limit < lower)
         survive, flown = np.zeros(lower.shape, dtype=bool), between | below  # (a, n) each
         index = np.flatnonzero(np.any(flown, axis=0))
+        # `within`: lowest and highest height [m] at which the winds of a batch can be judged
         for batch, within, winds in self._together(soundings, index):
             for a, wind_known in product(range(limits.size), (True, False)):
                 selected = np.flatnonzero(
@@ -378,11 +379,12 @@ class Judge:
         height: FloatArray,
         strong: bool,
     ) -> Iterator[tuple[float, LineWinds]]:
-        """Iterate over signs, and winds with growth and a strong unknown wind of this sign.
+        """Iterate over signs, 1 and -1, each with the winds that are judged for it.
 
-        `along`: winds of `soundings` over time, at heights `height` [m],
-        ``(n, k)``, to be changed in `plane`. `strong`: whether a wind that is not known is strong,
-        or calm. A single sign stands for both where nothing is added to the winds.
+        In `plane` the growth until launch is added with this sign; with `strong` a wind that is not
+        known is the fastest possible one of this sign, else calm. Where nothing is added, one sign
+        stands for both. `along`: winds of `soundings` at heights `height` [m], ``(n, k)``; a
+        sounding that has nothing to judge has one height throughout, and stays calm.
         """
         if not strong and self.additions.symmetric:
             yield 1.0, along

@@ -175,13 +175,14 @@ class PlaneMarch:
     def _limit_at_levels(
         self, winds: LineWinds, march: Curves, stepped: SteppedWinds
     ) -> FloatArray:
-        """Return the largest min(trim, demand) [rad] at the levels of winds, ``(n,)``.
+        """Return the largest min(trim, demand) [rad] of n winds at their levels, ``(n,)``.
 
-        Trim alone counts where two unstable modes are a pair. Between the ends of steps the part of
-        trim that balances drift is linear; the other part follows from the wind of each level.
-        `march`, `stepped`: curves of trim and demand of the winds, and the winds, over the steps.
+        Levels are the times of `winds`, most of which lie within a step. Trim is -B q/q_n alpha_w
+        there, and what balances drift, which is linear between the ends of steps. Where two
+        unstable modes are a pair, trim alone counts. `march`: trim and demand over the steps.
+        `stepped`: wind angles and q/q_n over the steps.
         """
-        steps, equations = self._steps
+        steps, equations = self._steps  # begin, middle and end of S steps, (1, S, 3)
         # row of the angular acceleration in [A b w], whose last columns are deflection and wind
         acceleration = equations.nominal[..., 1, :]
         static = -acceleration[..., -1] / acceleration[..., -2]  # trim over wind angle: -B

@@ -306,9 +306,10 @@ def limits_along(campaign: Campaign) -> tuple[float, float]:
 def flights_along(campaign: Campaign, batch: Batch, case: int) -> list[FlownFlight]:
     """Return the flights of a case along its whole flight, one for each direction of the wind.
 
-    `case`: its index in the batch. They are ready to be flown, at dispersed values.
+    They are ready to be flown. `case`: its index in the batch, whose dispersed values change flight
+    and autopilot; gains stay scheduled by the nominal flight, which alone is known on board.
     """
-    plan = campaign.along
+    plan = campaign.along  # of the nominal flight
     assert plan is not None
     values = {name: float(np.ravel(value)[case]) for name, value in batch.values.items()}
     flight, autopilot = plan.flight, plan.autopilot

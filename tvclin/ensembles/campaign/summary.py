@@ -293,8 +293,10 @@ class CampaignSummary(Shown):
         )
 
     def _driven(self, survived: int, losses: int) -> str:
-        """Return the drivers of the loss of flights with the confidence of `required`, in words.
+        """Return the parameters that correlate most with the loss of flights, in words.
 
+        Each has its rank correlation, positive where larger values are lost more often, and the
+        confidence that this is no chance, not below the confidence of the required deflection.
         `survived`, `losses`: numbers of flights that survived and that are lost.
         """
         if not losses or not survived:

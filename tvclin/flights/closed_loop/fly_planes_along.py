@@ -131,7 +131,8 @@ def fly_planes_along(
 def _continuation(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
     """Return the flights of both planes with a later end, at which they can be settled, or None.
 
-    `pair`: flights in pitch and in yaw.
+    The end is the later one of `FlownFlight.further`; None where neither plane has one. `pair`:
+    flights in pitch and in yaw, which then do not go on again.
     """
     stops = [along.further.stop for along in pair if along.further is not None]
     return [replace(along, stop=max(stops), goes_on=False) for along in pair] if stops else None

@@ -160,14 +160,15 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """Return the derivatives of k demands by measurements and law states, ``(k, 8 + s)``.
 
-    They are finite differences at equilibrium, of a size far below every limit and dead band: 1e-7
-    of the recoverable set, which is the limit over the scale B of the unstable coordinates. A law
-    that `leans` depends on the limit, and has a row for each flight; another has one. s is the
-    number of its states. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k
-    flights.
+    They are finite differences of 1e-7 of the recoverable set, the limit over B, far below every
+    limit and dead band. s is the number of states of a law. `batch`, `f`: all flights, and their
+    arrays. `cases`: indices of the k flights. A law has `numbers` if it runs in a kernel, and if
+    these have `leans` (the recoverable-attitude law), its slopes depend on the limit of a flight.
     """
-    reach = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
-    small, limit = _DIFFERENCE_OVER_REACH / reach * f.cases.limit[cases], f.cases.limit[cases]
+    # B, trim deflection per angle of attack, is the scale of the unstable coordinates
+    largest_scale = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
+    limit = f.cases.limit[cases]
+    small = _DIFFERENCE_OVER_REACH / largest_scale * limit
     slopes = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
     for index in np.unique(f.cases.law[cases]).tolist():
         numbers, flights = batch.laws.numbers[index], np.flatnonzero(f.cases.law[cases] == index)

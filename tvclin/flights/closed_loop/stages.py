@@ -467,10 +467,12 @@ class Stages:
         rows, width = np.flatnonzero(judged), self.steps.joint.shape[2]
 
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
-            """Return the criteria at times [s], by name, for the samples with the indices `index`.
+            """Return the criteria of loss and survival at times [s], by name.
 
-            These are indices in `rows`, the samples at which flights are judged. Rows of the
-            unstable coordinates are padded to all states of the loop.
+            "judges": rows that read the unstable coordinates from the states of the loop. "reach":
+            1/|B|, the largest coordinate that a unit limit recovers. "ratio": the slower unstable
+            pole over the fastest, or zero. `index`: samples at those times, as indices in `rows`,
+            the samples at which flights are judged.
             """
             criteria = outcome_criteria(self.plants_at(times, self.flight[rows[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))

@@ -91,9 +91,9 @@ class SurvivalLimit:
 def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray) -> SurvivalLimit:
     """Return the smallest value above which all values of a scan and its refinements survive.
 
-    Each refinement divides the step into 16 parts, and scans the four steps above the highest loss
-    until all of them survive. `survives`: function from values ``(n,)`` to their status, ``(n,)``.
-    `scan`: equidistant values, rising.
+    Each of three refinements divides the step of the scan before it into 16 parts, and scans four
+    of the undivided steps above the highest loss; a new highest loss extends it. `survives`:
+    function from values ``(n,)`` to their status, ``(n,)``. `scan`: equidistant values, rising.
     """
     bottom, top = float(scan[0]), float(scan[-1])
     step = float(scan[1] - scan[0])
@@ -114,6 +114,7 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
         return diverged
 
     steps = (step / float(PARTS) ** np.arange(1, LEVELS + 1)).tolist()
+    # of each refinement the step, the steps that must survive, and how many the last step has
     levels = [(fine, ABOVE * PARTS, PARTS) for fine in steps]
     highest, ends = _highest_losses(lost, scan[:, np.newaxis], levels)
     values, outcomes = np.concatenate(tried), np.concatenate(status)
@@ -211,22 +212,22 @@ def status_in_all_winds(
     return outcomes.astype(str)
 
 
-def winds_with_stops(wind: History, cuts: int, length: float) -> list[History]:
+def winds_with_stops(wind: History, cuts: int, period: float) -> list[History]:
     """Return a wind, and `cuts` copies of it that stop suddenly, at equidistant times within it.
 
-    `length`: sample period [s]. `InputError` for cuts that are not a whole number up to 1000, or
+    `period`: sample period [s]. `InputError` for cuts that are not a whole number up to 1000, or
     too many samples.
     """
     stops = errors.whole_number("cuts", cuts)
     if stops > _MAX_CUTS:
         raise errors.InputError(f"cuts must be at most {_MAX_CUTS}; got {errors.shown(cuts)}")
     start, end = float(wind.onset), float(wind.end)
-    if (stops + 1) * (end - start) / length > _MAX_TOTAL_SAMPLES:
+    if (stops + 1) * (end - start) / period > _MAX_TOTAL_SAMPLES:
         raise errors.InputError(
             f"cuts and sample_rate may make at most {_MAX_TOTAL_SAMPLES:g} samples of all winds;"
-            f" got {stops + 1} times {end - start:.6g} s at {1.0 / length:.6g} Hz"
+            f" got {stops + 1} times {end - start:.6g} s at {1.0 / period:.6g} Hz"
         )
-    check_samples(end - start, length)
+    check_samples(end - start, period)
     return [wind, *(wind.before(t) for t in np.linspace(start, end, stops + 2)[1:-1])]
 
 

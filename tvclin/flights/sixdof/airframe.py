@@ -139,7 +139,9 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
     theta, mass = read("attitude/theta-rad"), read("inertia/mass-slugs")
     velocities = [read(f"velocities/v-{name}-fps") for name in ("north", "east", "down")]
     force = read(f"tvclin/without-weight-{'z' if plane == 'pitch' else 'y'}-lbs")
-    upwards = -FOOT if plane == "pitch" else FOOT
+    # the force [lbf] times this is along the positive lateral axis, up or right, and over the mass
+    # [slug] an acceleration in m/s^2 (lbf/slug is ft/s^2)
+    metres_along_axis = -FOOT if plane == "pitch" else FOOT
 
     def rates() -> tuple[float, float]:
         """Return attitude rate [rad/s] and attitude acceleration [rad/s^2]."""
@@ -150,8 +152,8 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
         return hypot(*(component() for component in velocities))
 
     def lateral() -> tuple[float, float]:
-        """Return the speed over the ground [m/s], and the lateral force per mass [m/s^2]."""
-        return FOOT * ground_speed(), upwards * force() / mass()
+        """Return the speed over the ground [m/s], and the force up or right per mass [m/s^2]."""
+        return FOOT * ground_speed(), metres_along_axis * force() / mass()
 
     if plane == "pitch":
         gamma = read("flight-path/gamma-rad")

@@ -144,14 +144,14 @@ def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | 
     """
     root = Element("fdm_config", name="tvclin", version="2.0")
     metrics = SubElement(root, "metrics")
-    for name in ("wingarea", "wingspan", "chord"):  # reference lengths of one
+    for name in ("wingarea", "wingspan", "chord"):  # unused, since no force has a coefficient
         _text(metrics, name, 1.0)
     _place(metrics, -float(vehicle.aerodynamic_arm), name="AERORP")  # centre of pressure
     across = float(vehicle.moment_of_inertia)
     inertias = across / _INERTIA_OVER_ROLL_INERTIA, across, across
     balance = mass_balance(root, float(vehicle.mass), inertias)
     SubElement(root, "ground_reactions")
-    load: Tree = 1.0
+    load: Tree = 1.0  # formula of the dynamic pressure over the vehicle's
     if departure is not None:
         _burning(root, balance, departure)
         load = ("quotient", "aero/qbar-psf", departure.dynamic_pressure * FOOT**2 / POUND_FORCE)

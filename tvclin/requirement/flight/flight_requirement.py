@@ -120,8 +120,8 @@ class FlightMode:
         effect on it of a unit deflection constant from t on. `t`: times [s]; those outside the span
         count as its ends.
         """
-        solution = self._costates_and_reaches(t)
-        return solution[:-2], solution[-2]
+        *costate, reach, _absolute_reach = self._costates_and_reaches(t)
+        return np.array(costate), reach
 
     def _costates_and_reaches(self, t: Any) -> FloatArray:
         """Return costate p and reach R of `at`, and absolute reach, ``(m + 2,) + t.shape``.

@@ -41,8 +41,8 @@ class FrozenRequirement:
     `trim` is the static trim |B alpha_w,max|; `required` for each dead band, ``(k,)``;
     `no_forecast` the lower bound of laws without a forecast; `minimum` the minimum peak of appendix
     C; `slow_mode` the ratio y of eq (C8), of the deflections that the slow and the fast mode
-    demand: from one on the slow mode of the flight path decides. `said` is why one is not defined,
-    or not satisfied exactly.
+    demand: from one on the slow mode of the flight path decides. `messages` say why a requirement
+    is not defined, or not satisfied exactly.
     """
 
     trim: float
@@ -50,7 +50,7 @@ class FrozenRequirement:
     no_forecast: float
     minimum: float
     slow_mode: float
-    said: tuple[str, ...]
+    messages: tuple[str, ...]
 
 
 def frozen_requirements(
@@ -139,21 +139,21 @@ def _with_bounds(
     deflections [rad], ``(k,)``, with their `statuses`. A bound that is not defined is NaN; the
     messages hold its error, and statuses.
     """
-    said: list[str] = []  # messages
+    messages: list[str] = []
 
     def value_or_nan(function: Callable[[], float]) -> float:
         """Return the value of a function, or NaN and a message where it raises `InputError`."""
         try:
             return function()
         except InputError as error:
-            said.append(str(error))
+            messages.append(str(error))
             return np.nan
 
     minimum = value_or_nan(lambda: float(minimum_peaks(plant, wind)))
-    said.extend(status for status in statuses if status not in (OK, STABLE))
+    messages.extend(status for status in statuses if status not in (OK, STABLE))
     no_forecast = np.nan
     if PAIRED_POLES in statuses:
-        said.append(
+        messages.append(
             "no lower bound without a forecast is known for two unstable poles that are a pair"
         )
     else:
@@ -164,7 +164,7 @@ def _with_bounds(
         no_forecast=no_forecast,
         minimum=minimum,
         slow_mode=slow_mode(plant, wind),
-        said=tuple(dict.fromkeys(said)),
+        messages=tuple(dict.fromkeys(messages)),
     )
 
 

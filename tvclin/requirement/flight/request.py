@@ -610,7 +610,7 @@ class SizingRequest:
 
     @property
     def warnings(self) -> list[str]:
-        """Warning that the flight is of another vehicle than the study; empty otherwise."""
+        """Warning that the flight is of another vehicle than the study, `another`; else empty."""
         if not self.another:
             return []
         return [

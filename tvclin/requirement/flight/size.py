@@ -415,14 +415,14 @@ def _plane_sizing(
     )
 
 
-def _messages(times: FloatArray, needs: list[list[FrozenRequirement]]) -> list[str]:
+def _messages(times: FloatArray, requirements: list[list[FrozenRequirement]]) -> list[str]:
     """Return the messages of requirements, with flight times where a message is not of all.
 
-    `times`: flight times [s], ``(n,)``. `needs`: requirements by flight time and wind.
+    `times`: flight times [s], ``(n,)``. `requirements`: by flight time, then by wind.
     """
     at: dict[str, list[float]] = {}
-    for time, row in zip(times.tolist(), needs, strict=True):
-        for message in dict.fromkeys(message for need in row for message in need.said):
+    for time, row in zip(times.tolist(), requirements, strict=True):
+        for message in dict.fromkeys(message for frozen in row for message in frozen.messages):
             at.setdefault(message, []).append(time)
     return [
         message if len(when) == times.size else f"at {flight_times(when)}: {message}"
@@ -455,7 +455,7 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
                 no_forecast=none,
                 minimum=none,
                 slow_mode=np.nan,
-                said=(),
+                messages=(),
             )
         else:
             yield next(requirements)

@@ -252,6 +252,7 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     """
     both_planes = v["plane"] == BOTH
     slanting = both_planes or v["direction"] == FROM_SIDE
+    # frequencies of the actuator are chosen, its damping is the file's, or usual
     file_wind, servo = base.wind, base.nozzle.actuator or USUAL_ACTUATOR
     assert isinstance(file_wind, ShapedWind)
     actuator = replace(servo, natural_frequency=v["actuator"]) if v["actuator"] else None
@@ -279,6 +280,7 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         design=_design(base.autopilot_design, v),
         dead_band=v["dead_band"],
         criteria=None,
+        # None is the worse of head and tail wind; a control without effect does not count
         sign=None if v["sign"] == WORST or "sign" in idle_controls(base, vehicle, v) else v["sign"],
     )
     return Choices(plan=plan, law=v["law"])
