@@ -619,13 +619,17 @@ def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
     k = int(np.searchsorted(pieces.knots, start, side="right")) - 1
     if k < 0:
         return np.zeros_like
-    knot, rates = float(pieces.knots[k]), pieces.rates
-    coefficients = pieces.coefficients[k, :, ::-1]
+    knot = float(pieces.knots[k])
+    coefficients, rates = pieces.coefficients[k, :, ::-1].tolist(), pieces.rates.tolist()
 
     def value(t: Any) -> Any:
-        """Return the piece at times `t` [s]."""
-        u = t - knot
-        terms = [np.polyval(c, u) * np.exp(r * u) for c, r in zip(coefficients, rates, strict=True)]
-        return np.real(sum(terms))
+        """Return the piece at times `t` [s], each polynomial by Horner's rule."""
+        u, total = t - knot, 0.0
+        for polynomial, rate in zip(coefficients, rates, strict=True):
+            term = 0.0 * u
+            for coefficient in polynomial:
+                term = term * u + coefficient
+            total = total + (term * np.exp(rate * u) if rate else term)
+        return np.real(total)
 
     return value
