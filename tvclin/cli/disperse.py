@@ -30,7 +30,7 @@ from tvclin.cli.options import (
     to_write,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, say
-from tvclin.cli.wind import DIRECTED, WindOptions
+from tvclin.cli.wind import DIRECTED, WindOptions, note_sounding
 from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble
 from tvclin.ensembles.campaign.chunk_runner import (
     cluster,
@@ -206,6 +206,8 @@ def _campaign(
             assert sounding is not None
             in_plane = campaign.vehicle, campaign.plane
             wind = FixedWind(sounding.history(*in_plane), sounding.unknown(*in_plane))
+            reading = source_tables(source).get("sounding", {})
+            note_sounding(sounding, campaign, reading.get("window_s"))
             campaign = replace(campaign, wind=wind)
         else:
             campaign = _in_soundings(campaign, winds, source)

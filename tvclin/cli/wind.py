@@ -113,10 +113,7 @@ class WindOptions(PulseOptions):
         else:
             plan = replace(plan, wind=sounding)
         if isinstance(plan.wind, SoundingWind):
-            for note in plan.wind.notes(plan.vehicle, plan.plane):
-                note_below(note)
-            for note in _window_notes(plan.wind, plan):
-                note_below(note)
+            note_sounding(plan.wind, plan, plan.reading.window)
         return plan
 
     def name(self, case: Case) -> str:
@@ -301,22 +298,25 @@ def wind_direction(plan: StudyPlan) -> str:
     return "head" if float(plan.history.peak) < 0.0 else "tail"
 
 
-def _window_notes(wind: SoundingWind, plan: StudyPlan) -> Iterator[str]:
-    """Yield a note on the window of a sounding of a plan, where it is the default or makes steps.
+def note_sounding(wind: SoundingWind, case: Case, window: float | None) -> None:
+    """Print notes on a sounding and on its window, where that is the default or makes steps.
 
-    The wind of the sounding is no step where the window cuts it, so that a requirement of the part
-    within may be larger than that of all of it.
+    The sounding has no step where the window cuts it, so that the part within may require more than
+    all of it. `case`: has vehicle and plane. `window`: length [s] that is given; None for the
+    default.
     """
     part = f"of {wind.name} the {wind.window:g} s about the vehicle's own time count"
-    steps = np.degrees(wind.steps(plan.vehicle, plan.plane))
+    steps = np.degrees(np.abs(wind.steps(case.vehicle, case.plane)))
+    for note in wind.notes(case.vehicle, case.plane):
+        note_below(note)
     if np.any(steps):
-        yield (
+        note_below(
             f"{part}, cut with steps of {steps[0]:.3g} and {steps[1]:.3g} deg at the ends, which"
             f" may change every number: --set sounding.window_s {2.0 * wind.window:g} takes more,"
             " tvclin ascent the whole sounding"
         )
-    elif plan.reading.window is None:
-        yield f"{part}; --set sounding.window_s takes another length"
+    elif window is None:
+        note_below(f"{part}; --set sounding.window_s takes another length")
 
 
 def check_reading(plan: StudyPlan) -> None:
