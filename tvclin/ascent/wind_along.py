@@ -357,12 +357,12 @@ class SoundingWind(VehicleWind):
             )
 
     def steps(self, vehicle: Any, plane: str) -> FloatArray:
-        """Return the wind angles [rad] that the window cuts off at its begin and its end, ``(2,)``.
+        """Return the wind angles [rad] at the begin and the end of the window, ``(2,)``.
 
-        They are the steps with which the part of one sign that counts begins and ends, zero where
-        the sounding itself does, or where the wind has the other sign. Both are zero where they are
-        at most a tenth of the largest angle. `vehicle`: has the time of flight. `plane`: pitch or
-        yaw.
+        With such steps the wind of the largest angle's sign begins and ends, as the window cuts the
+        sounding there. Zero at an end of the sounding itself, and where the wind has the other
+        sign; both are zero if they are at most a tenth of the largest angle. `vehicle`: has the
+        time of flight. `plane`: pitch or yaw.
         """
         wind, time = self._along(plane), self._time(vehicle)
         _times, angles = wind.samples(complete_vehicle(vehicle, "a sounding"))

@@ -108,11 +108,12 @@ class Shown(Record):
 
 
 def _parts(name: str, unit: str, value: Any) -> Iterator[Row]:
-    """Yield (label, value, unit) rows of a field: one, or one per entry of a mapping or `Record`.
+    """Yield rows (label, value, unit) of a field: one, or one per entry of a mapping or `Record`.
 
-    Of a tuple of records each has its rows, with its name; without names it is one row with their
-    number. Nothing is yielded for None and an empty text or tuple. `name`: label of the field,
-    ahead of an entry's. `unit`: text, of the value and its entries.
+    A tuple of records has the rows of each record, labelled by its name; without names a row with
+    the number of records. Nothing is yielded for None and an empty text or tuple. `name`: label of
+    the field, which stands ahead of the labels of entries. `unit`: text, of the value and its
+    entries.
     """
     if isinstance(value, dict):
         for label, item in value.items():

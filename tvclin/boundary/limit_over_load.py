@@ -174,9 +174,9 @@ class LoadTradeOff(TradeOff):
 
     @property
     def _proved(self) -> float:
-        """Proved lower bound [rad] of the limit at the load limit `load`, or at any.
+        """Proved lower bound [rad] of the limit of controls within the load limit `load`.
 
-        At most the limit of a computed control, `lower_bound`.
+        For a load that is not limited, or not in `loads`, it is the limit `lower_bound`.
         """
         at = np.flatnonzero(self.loads == self.load)
         return float(self.lower_bounds[at[0]]) if at.size else self.lower_bound

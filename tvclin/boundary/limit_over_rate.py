@@ -551,7 +551,10 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
         return np.inf
 
     def excess(exponent: float) -> float:
-        """Return 1/deflection - 1/limit [1/rad] at the rate `lowest` e^`exponent`; it rises."""
+        """Return 1/deflection - 1/limit [1/rad] at the rate `lowest` e^`exponent`; it rises.
+
+        Reciprocals are finite where no deflection is sufficient, near the lowest rate.
+        """
         return 1.0 / deflection(float(np.exp(exponent)) * lowest) - 1.0 / limit
 
     if excess(_NEGLIGIBLE) >= 0.0:

@@ -567,7 +567,8 @@ def _corrected(
     ``(k,)`` of the lower bound. `deflections`: in the cells, over `size` [rad], ``(n,)``.
     """
     d, cells, limit_shape = moments.demands / size, moments.cells, moments.limit_shape
-    # The smallest correction that is a combination of the functions a e^(-p t) at the cells' starts
+    # The smallest correction that is a combination of the functions a e^(-p t) at the cells'
+    # starts, a being the unit vector of the plane of the pole p (`axes`)
     for _ in range(2):  # the second time for the rounding of the first
         missing = d - np.real(np.conj(cells) @ deflections)
         basis = moments.axes[:, np.newaxis] * np.exp(-np.outer(moments.poles, moments.edges[:-1]))

@@ -163,6 +163,7 @@ def _turning_requirement(
         notes += [] if pair.wind.unidirectional else [TURNS]
         notes += [] if shape is limit_shape else [POLYGON]
     modes = max(poles.size for poles in pair.poles)
+    # [rad]; zero where a requirement does not apply: of one mode the boundary is the minimum
     requirements = {
         Reason.BOUNDARY: float(shape.gauge(deflection)),
         Reason.MINIMUM: minimum if modes > 1 else 0.0,
@@ -170,7 +171,7 @@ def _turning_requirement(
     }
     if modes > 1 and 0.0 < K < 1.0:
         requirements[Reason.AFTER_TRIM] = _requirement_after_trim(
-            pair, limit_shape.inside, K, literal, max(requirements.values())
+            pair, limit_shape.inside, K, literal, minimum=max(requirements.values())
         )
     limit, reasons = _governing_requirement(requirements)
     notes += [warning] if warning and limit == requirements[Reason.MINIMUM] else []
@@ -279,7 +280,7 @@ def _unidirectional_requirement(
     dead band. `literal`: whether its exit is on trim, not on the wind.
     """
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
-    # K = 1: with the bound without a forecast; that after trim is for 0 < K < 1
+    # of K = 1, to have the bound without a forecast; the minimum does not depend on K
     required = open_loop_requirements(plant, wind, 1.0, boundary)
     requirements = {name: float(size) for name, size in required.items()}
     direction = complex(unit_vector(pair.wind.direction))
@@ -289,7 +290,7 @@ def _unidirectional_requirement(
     gauge, largest_gauge = float(gauges[int(boundary.deflection < 0.0)]), float(gauges.max())
     bound = requirements[Reason.NO_FORECAST] * largest_gauge
     after = requirements[Reason.AFTER_TRIM]
-    if 0.0 < K < 1.0:
+    if 0.0 < K < 1.0:  # the minimum after trim up to K times the limit, with exit on trim
         flown = boundary if literal else boundary_limit(plant, wind, K, "literal")
         after = float(open_loop_requirements(plant, wind, K, flown)[Reason.AFTER_TRIM])
     limit, reasons = _governing_requirement(

@@ -196,7 +196,7 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
     sizing = getattr(case, "sizing", None)  # of a flight, with its soundings
     measured = not isinstance(case.wind, ShapedWind) or bool(sizing and sizing.soundings)
     candidates = _OF_SOUNDINGS if measured else _OF_PULSES
-    counting: dict[str, list[str]] = {}
+    counting: dict[str, list[str]] = {}  # omitted features, by a question that computes them
     for feature in named:
         question = next(name for name in candidates if use_of(name, feature) == COMPUTED)
         question = _LOOP_IN_SOUNDINGS if measured and feature in _LOOP else question

@@ -273,7 +273,11 @@ class _Answer:
         }
 
     def print(self, more: bool) -> None:
-        """Print the verdict, the deflections by flight time and notes, and with `more` the rest."""
+        """Print the verdict, the deflections by flight time and notes, and with `more` the rest.
+
+        The first table is of the deflections that the flown autopilot uses, if it was flown, else
+        of the requirements; `counted` is the requirement that enters the budget.
+        """
         sizing, flights, ratio = self.sizing, self.flights, self.ratio
         name = sizing.schedule.vehicle.name or self.source
         planes = "both planes, one limit" if sizing.separate else sizing.plane

@@ -133,7 +133,8 @@ def gain_trade_off(
     Returns
     -------
     GainTradeOff
-        The search at each disk margin begins near the gains of the previous disk margin.
+        Minimum deflection and gains by disk margin, with the limits of the theory. The search at
+        each disk margin begins near the gains of the previous disk margin.
 
     Raises
     ------
@@ -166,8 +167,8 @@ def gain_trade_off(
         designs.append(design)
         start = problem.point(design.autopilot)
     designs += [None] * (margins.size - len(designs))
-    trim = problem.trims.max()
-    relative = [np.inf if gains is None else gains.deflection / trim for gains in designs]
+    trim = problem.trims.max()  # largest static trim [rad] of the winds
+    relative = [np.inf if design is None else design.deflection / trim for design in designs]
     return GainTradeOff(margins, np.array(relative), tuple(designs), _limits(gains))
 
 

@@ -438,10 +438,11 @@ def _notes(
     """Return the notes on gains: lean into the wind, path, winds, search range and sudden ends.
 
     `autopilot`, `point`: the gains, and their point in the unit box of the problem, ``(axes,)``.
-    `deflections`: in each wind [rad]. `many_stops`: boundary with many sudden ends [rad], or None.
+    `deflections`: required deflection in each wind [rad]. `many_stops`: boundary [rad] in the winds
+    with many sudden ends, or None.
     """
     notes = []
-    trim = problem.trims.max()
+    trim = problem.trims.max()  # largest static trim [rad] of the winds
     if problem.has_alpha:
         a0, b0 = float(autopilot.attitude_gain), float(autopilot.alpha_gain)
         # Size of alpha/alpha_w in a steady wind before the path has changed.

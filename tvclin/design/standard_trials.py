@@ -425,18 +425,19 @@ def scan_text(trials: Sequence[LawTrial]) -> str:
 def limit_warnings(trials: Sequence[LawTrial]) -> list[str]:
     """Return the notes on limits of `trials` marked by ``!`` or ``*``, with laws and winds.
 
-    ``!`` marks a reservation on a boundary; ``*`` a boundary below which some limits survive too.
+    ``!`` marks a boundary whose status is a warning; ``*`` a boundary below which some limits
+    survive too: survival is not monotone in the limit.
     """
     marked = [
         f'!: "{trial.law}" in "{trial.wind}": {trial.status}'
         for trial in trials
         if _doubtful(trial)
     ]
-    windows = ", ".join(
+    not_monotone = ", ".join(
         f'"{trial.law}" in "{trial.wind}"' for trial in trials if not trial.monotone
     )
     meaning = "some lower limits survive as well; above this one all that were tried survive"
-    return [*marked, f"*: {meaning}: {windows}"] if windows else marked
+    return [*marked, f"*: {meaning}: {not_monotone}"] if not_monotone else marked
 
 
 def _limit(key: str, trial: LawTrial, scale: float) -> Line:

@@ -367,7 +367,8 @@ class FlightDuty(Shown):
     def _worst(self) -> dict[str, DutyPoint]:
         """Return the point with the largest value of each number, by key.
 
-        Points are flights at a time and in a wind; a number that one lacks counts as -1.
+        Points are flights at a time and in a wind. Numbers are angles, rates, travel, ... of the
+        nozzle, zero or more; a missing number counts as -1, which is never the largest.
         """
         numbers = [point.numbers for point in self.points]
         worst = {}

@@ -532,10 +532,11 @@ def _in_turbulence(
     `case`: nozzle, model and autopilot. `request`: the flight. `law`: name of the law. `peak`:
     largest wind angle [rad], for which a law is designed. `turbulence`: None: there is none.
     """
-    if turbulence is None or law == AUTOPILOT:  # of none the request returns None
+    if turbulence is None or law == AUTOPILOT:  # None without turbulence
         return request.turbulence(case, turbulence)
     schedule, (begin, end) = request.schedule, request.schedule.span
     even = np.linspace(begin, end, 2 + int((end - begin) / _DESIGN_STEP_S))
+    # gains of an autopilot that is the same as the law within its limit, by flight time
     designs: dict[float, dict[str, float]] = {}
     for time in np.union1d(even, request.times(case)).tolist():
         plant = schedule.plants(time, case.law_model, case.plane)
@@ -555,7 +556,7 @@ def _in_turbulence(
     design = AutopilotDesign(
         delay=specified.delay, sample_rate=specified.sample_rate, schedule=table, **chains
     )
-    # The law's gains at its designs take the place of the autopilot's.
+    # The gains of the law, between these flight times linear, replace the autopilot of the case.
     flown = replace(request, scheduled_design=design)
     return flown.turbulence(replace(case, controller=None), turbulence)
 

@@ -190,14 +190,14 @@ class Surface:
         return np.concatenate([factors, z[:, np.newaxis] * factors], axis=1)
 
     def write(self, name: str, part: Any, factors: FloatArray, out: FloatArray) -> None:
-        """Write values of one array at m points into `out`.
+        """Write values of the array `name` at m points of x, y and z into `out`, ``(m, ...)``.
 
-        `name`: name of the array. `part`: index of the elements that are written, after its first
-        axis. `factors`: factors of the points, ``(m, 2 points)``, from `factors`. `out`: ``(m,
-        ...)``. They are the values at the first Chebyshev point plus factors times differences.
+        They are the values at the first Chebyshev point, plus factors times differences and slopes.
+        `part`: index of the elements of an array that are written; ... for all. `factors`: factors
+        of the points, ``(m, 2 points)``, result of the method `factors`.
         """
         table = self.table[name][:, part]
-        values = factors @ table.reshape(len(table), -1)
+        values = factors @ table.reshape(len(table), -1)  # of the flattened elements
         np.add(values.reshape(out.shape), self.first[name][part], out=out)
 
 

@@ -218,8 +218,8 @@ class StateLoop:
 
     `A`, `B`, `C`, `D`: ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``. `all_delays`: delay [s],
     ``(k,)``. `poles`, `residues`: L without delay is D + sum of residue/(s - pole), both ``(k,
-    n)``. `modal`: whether that holds, ``(k,)``: not for repeated poles. `case`: positions among the
-    ``(k,)``.
+    n)``. `modal`: whether that holds, ``(k,)``: not for repeated poles. `case`: indices of the
+    selected loops among the k of the arrays.
     """
 
     A: FloatArray
@@ -430,10 +430,11 @@ class StateLoop:
         """Return L without its delay, or with `slope` dL/ds, at s ``(k, m)`` [1/s], by residues.
 
         The sum over the poles is in real arithmetic, r/(s - p) = r conj(s - p)/|s - p|^2, and added
-        in sequence, so that it has the same bits in a batch of any shape.
+        in sequence, so that it has the same bits in a batch of any shape. Loops with repeated poles
+        are solved by matrices. The k loops are those that `case` selects.
         """
         poles, residues = self.poles[self.case], self.residues[self.case]
-        total = np.zeros((2, *s.shape))
+        total = np.zeros((2, *s.shape))  # real and imaginary part
         if not slope:
             total[0] = self.direct[:, np.newaxis]
         rows = max(1, _POINTS_PER_BLOCK // max(s.shape[1], 1))
@@ -446,7 +447,7 @@ class StateLoop:
         repeated = np.flatnonzero(~self.modal[self.case])
         if repeated.size:
             solved = self.take(repeated)._solved(s[repeated], slope=slope)
-            values[repeated] = solved[int(slope)]
+            values[repeated] = solved[int(slope)]  # of the pair L, dL/ds
         return values
 
     def _solved(self, s: AnyArray, *, slope: bool = False) -> tuple[AnyArray, ...]:

@@ -488,8 +488,9 @@ def _put(note: "Annotation", point: FloatArray, obstacles: _Obstacles) -> "Bbox"
     """Return the box of a number, in pixels, after moving it to the place of least cost.
 
     `note`: the number, as matplotlib's annotation. `point`: its mark in pixels, ``(2,)``.
-    `obstacles`: what it should not hide. Of places of equal cost the first one tried counts; it is
-    held in points from the mark, by the alignment of its text to the side of the mark.
+    `obstacles`: frame, curves, marks and numbers, which it should not hide. Of places of equal cost
+    the first one counts. The annotation stores its place as an offset from the mark in points
+    (1/72 inch), and the alignment of its text towards the mark.
     """
     from matplotlib.text import Text
     from matplotlib.transforms import Bbox

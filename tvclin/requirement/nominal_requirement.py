@@ -100,8 +100,8 @@ def required_deflection(
     dead_band : array_like
         K, the part of the limit up to which the vehicle is trimmed, in [0, 1].
     two_sided : History, optional
-        The same wind with what blows to the other side, where `wind` is its part to one side. The
-        minimum and the trim law meet it; what drifts to the other side first may cost deflection.
+        The same wind with both signs, where `wind` is its part of one sign. The minimum and the
+        trim law encounter it; a drift towards the other sign first may cost deflection.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def required_deflection(
 
     Notes
     -----
-    Eqs (4b), (17) and (C1). For K = 1 the requirement of the ideal trim law is that of
+    Eqs (4b), (17) and (C1). For K = 1 the requirement of the ideal trim law is computed by
     `time_varying`, as along flights and at the dynamic pressure encountered: the largest of
     min(trim, demand). That does not decide where the path is quick, where trim meets the limit more
     than once, or where a flight with half a percent more diverges. There the limited law is flown
@@ -152,11 +152,11 @@ def required_deflection(
     single_pole = ~paired & ~np.isnan(rate) & np.isfinite(open_loop)
     # cases in which the trim law may require more than the open-loop requirements: with K = 1,
     # on a fixed path only where the wind rises a second time; with K < 1 on a quick path
-    without_hold = (K == 1.0) & single_pole
+    trims_always = (K == 1.0) & single_pole
     if plant.model == "fixed-path" and two_sided is None:
-        without_hold = without_hold & _has_second_rise(wind)
-    with_hold = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
-    cases = np.broadcast_to(without_hold | with_hold, open_loop.shape)
+        trims_always = trims_always & _has_second_rise(wind)
+    holds_limit = (0.0 < K) & (K < 1.0) & single_pole & has_quick_path(plant)
+    cases = np.broadcast_to(trims_always | holds_limit, open_loop.shape)
     law = np.zeros(open_loop.shape)  # requirement of the trim law [rad], zero in other cases
     for value in np.unique(K).tolist():
         winds = law_wind if value == 1.0 else wind

@@ -150,7 +150,7 @@ def two_plane_requirement(
     winds = {plane: getattr(wind, plane) for plane in PLANES}
     # whether no wind of the batch is a calm, whose onset is infinite
     has_wind = {plane: bool(np.all(np.isfinite(winds[plane].onset))) for plane in PLANES}
-    separate = {
+    separate = {  # required deflections [rad] of each plane by itself
         plane: np.abs(required_deflection(plants[plane], winds[plane], dead_band).deflection)
         if has_wind[plane]
         else np.zeros(())
@@ -162,7 +162,8 @@ def two_plane_requirement(
         for case, sufficient in enumerate(required):
             pitch, yaw = (plants[plane].case(case, shape) for plane in PLANES)
             pair = PlanePair((pitch, yaw), wind.case(case, shape))
-            with suppress(InputError):  # (4b) has no vector for them
+            # without a solution in both planes the rectangle of both requirements is sufficient
+            with suppress(InputError):
                 checked_batch(pitch, pair.wind, limit_shape, yaw)
                 required[case] = vector_requirement(pair, limit_shape, dead_band, sufficient)
     return TwoPlaneRequirement(

@@ -121,8 +121,10 @@ def boundaries(study: Study) -> Table:
     """Return static trim, the limit at every dead band, lower bounds, and survivable peaks.
 
     Limits are required deflections at nominal dynamic pressure or, where not trim but B times the
-    wind angle leaves the dead band, boundary limits. The row of the verdict is marked. The last
-    column, for a study with a limit, is the peak that it survives with the model of the verdict.
+    wind angle leaves the dead band, boundary limits; B is the ratio of trim deflection to angle of
+    attack. Rows without a dead band, of both planes or of head and tail winds, follow (`judged`),
+    then the lower bounds (`study.needs`). The row of the verdict is marked. The last column, for a
+    study with a limit, is the peak that it survives with the model of the verdict.
     """
     names, judged = tuple(study.boundaries), _judged(study)
     row_label, limits = "K = ", study.nominal_requirements

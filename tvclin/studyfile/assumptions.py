@@ -290,9 +290,10 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
 
 
 def nominal_notes(findings: Findings) -> Iterator[str]:
-    """Yield the answers of findings that are at nominal pressure, where a head wind governs.
+    """Yield a note on answers "yes" at nominal pressure, which a head wind's pressure may refute.
 
-    They are yes, and may be no at the higher pressure; nothing where that is counted.
+    These are of autopilot and flexible flight, where a head wind sets the required deflection.
+    Nothing if the autopilot was flown in that head wind too (`findings.head.stop`).
     """
     if findings.head is not None and findings.head.stop is not None:
         return

@@ -60,7 +60,7 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
     again for the later cells: it maximises the moments of the poles whose multipliers are
     determined, under the conditions of the others.
     """
-    # The largest t for which some |v_j| <= 1 have the moments t d: then 1/t is the peak.
+    # The largest t for which some levels |v_j| <= 1 have the moments t d: then 1/t is the peak.
     moments = constraints.moments(cells)
     sizes = np.abs(moments).sum(axis=1)
     demands = constraints.demands / np.abs(constraints.demands / sizes).max()
@@ -74,6 +74,7 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
     determined, first = np.abs(prices) * sizes > _RELATIVE_LP_TOLERANCE, 0
     while not np.all(determined) and np.any(determined):
         decays = constraints.decays[determined, None]
+        # size of the sum of the determined poles at the cells: the rest decides where it is small
         strength = np.abs(prices[determined]) @ np.exp(-decays * cells[:-1])
         later = np.flatnonzero(strength < _RELATIVE_LP_TOLERANCE * strength[first])
         if not later.size or strength[later[0]] < 1e-290:  # the end of floating point
@@ -83,6 +84,7 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
         unit, sizes = np.abs(cost).sum(), np.abs(late).sum(axis=1)
         if not np.all(sizes[~determined] > 0.0):
             break
+        # moments t d that the later cells must have
         remaining = solution[0][-1] * demands - moments[:, :first] @ levels[:first]
         rows = late[~determined] / sizes[~determined, None]
         remaining = remaining[~determined] / sizes[~determined]

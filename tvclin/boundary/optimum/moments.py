@@ -104,7 +104,10 @@ class Constraints:
         return components[wanted]
 
     def complex_values(self, rows: FloatArray) -> AnyArray:
-        """Return the values ``(m,)`` at m poles, complex for a pair, of real rows ``(n,)``."""
+        """Return the values ``(m,)`` at m poles, complex for a pair, of real rows ``(n,)``.
+
+        It is the inverse of `real_rows`: of a pair the rows are real and minus imaginary part.
+        """
         if self.real:
             return rows
         first = np.cumsum(self._rows) - self._rows

@@ -27,18 +27,19 @@ _MAX_DECAY_TIMES = 60.0
 def switch_time(
     poles: tuple[float, float], demands: tuple[float, float], horizon: float = np.inf
 ) -> float:
-    """Return the time of the switch [s] after the start; infinite when there is none.
+    """Return the time t_s [s] after the start at which the optimum changes its sign; inf if never.
 
-    `poles`: two different positive poles [1/s], in any order. `demands`: d_i [rad s] of the poles,
-    not both zero. `horizon`: H [s]; infinite for a deflection without end. With c_i = p_i d_i, E_i
-    = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) of the report say
+    `poles`: two different positive poles p_i [1/s], in any order. `demands`: d_i [rad s], moments
+    of the deflection with e^(-p_i t) that cancel the poles' modes, not both zero. `horizon`: H [s],
+    time at which the deflection becomes zero; infinite for a deflection without end. With
+    c_i = p_i d_i, E_i = e^(-p_i t_s) and F_i = e^(-p_i H), eqs (C5) of the report say
 
         c1 (1 - 2 E2 + F2) = c2 (1 - 2 E1 + F1).
 
     The difference of the two sides has opposite values at t_s = 0 and t_s = H, and one zero between
     them whatever the signs and sizes of c_i: any direction meets the border of the convex set of
-    attainable moments once. Nothing is divided by c_i, and y = 1 is no special point: the switch
-    moves to infinity on one side of it and comes back from zero on the other.
+    attainable moments once. Nothing is divided by c_i, and y = c1/c2 = 1 is no special point: the
+    switch moves to infinity on one side of it and comes back from zero on the other.
     """
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
 

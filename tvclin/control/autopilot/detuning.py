@@ -365,7 +365,7 @@ def stable_ranges(
     high: float = 1.0 + NEAR,
     intervals: int = _INTERVALS // 2,
 ) -> tuple[StableRange, ...]:
-    """Return the stable range of each mode's frequency factor, by counts of unstable poles.
+    """Return the stable range of the factor on each mode's frequency, by counts of unstable poles.
 
     `autopilot`, `plant`: one each. `low`, `high`: smallest and largest factor. `intervals`: number
     of intervals from one to each of them; a range of factors with an unstable loop that is narrower
@@ -388,15 +388,16 @@ def stable_ranges(
         fails = (verdict.unstable_poles > 0) | verdict.marginal
         return np.asarray(fails).reshape(factors.shape)
 
-    # One row for each mode below one, then above; rows that are stable throughout are dropped. The
-    # loop becomes unstable between the factors `inner` and `outer`, which each round brings closer.
+    # One row for each mode with factors below one, then for each with factors above one; `rows` are
+    # the numbers of those that become unstable. They do so between the factors `inner` (stable) and
+    # `outer` (unstable), which each refinement brings closer.
     rows = np.arange(2 * count)
     inner, outer = np.ones(2 * count), np.repeat([min(low, 1.0), max(high, 1.0)], count)
     for refinement in range(_REFINEMENTS + 1):
         fractions = np.linspace(0.0, 1.0, 1 + (_PARTS if refinement else intervals))
         factors = inner[:, np.newaxis] + (outer - inner)[:, np.newaxis] * fractions
         fails = unstable(factors, rows % count)
-        fails[:, -1] |= refinement > 0  # known from the round before
+        fails[:, -1] |= refinement > 0  # `outer` is known to be unstable
         exists, first = np.any(fails, axis=1), np.argmax(fails, axis=1)  # first unstable factor
         rows, first, factors = rows[exists], first[exists], factors[exists]
         if not rows.size:

@@ -352,7 +352,7 @@ def band_margins(
         )
     count = len(loop.form.case)  # of loops in the flattened batch
     plant_poles = np.broadcast_to(poles, (*loop.batch, len(names))).reshape(count, len(names))
-    terms = Terms.of(loop, plant_poles)
+    terms = Terms.of(loop, plant_poles)  # partial fractions of each mode in the loop
     analysis = loop.analysis(delays=delays)
     closed = closed_mode_poles(terms)
     bands = [_rigid(terms, analysis)]

@@ -85,9 +85,9 @@ class VaryingLoop:
         first, weights = self._weights(times)
 
         def varying(values: FloatArray) -> FloatArray:
-            """Return values at the nodes interpolated to the times, ``(n, ...)``.
+            """Return `values`, ``(nodes, ...)``, interpolated to the n times [s], ``(n, ...)``.
 
-            Those that are equal at all nodes are returned once, without the axis n.
+            If they are equal at all nodes they are returned once, without the axis n.
             """
             constant = np.all(values == values[0])
             return values[0] if constant else _values_at(values, first, weights)

@@ -223,10 +223,11 @@ class Jump(NamedTuple):
 class DrivenLoop:
     """Linear system in white noise, or a batch of them.
 
-    `A`, `noise`: A [1/s] and N, ``(..., n, n)``. `wind`: B_w, ``(..., n)``. `rows`, `direct`: C
-    ``(..., m, n)`` and D_w ``(..., m)`` of the outputs `labels`. `order`: number of states of the
-    loop, ahead of those of the filter, which are the next `filter_order`. `jumps`: of a sampled
-    autopilot, the intervals of a sample in their order.
+    `A`: system matrix [1/s]; `noise`: N = B B', intensity of the noise behind its input column B;
+    ``(..., n, n)`` each. `wind`: column B_w of a further wind [rad], ``(..., n)``. `rows`,
+    `direct`: C ``(..., m, n)`` and direct terms D_w ``(..., m)`` from it, of the outputs `labels`.
+    `order`: number of states of the loop, behind which are the `filter_order` states of the filter.
+    `jumps`: of a sampled autopilot, the intervals of a sample in their order.
     """
 
     A: FloatArray
@@ -415,8 +416,9 @@ def _behind_filter(
     """Return a system driven by a shaping filter, whose output is the system's input "wind".
 
     The states are the n of `loop` and the m of the filter z' = a z + b times white noise, whose
-    output c z is the wind angle [rad]. `shape`: matrices a ``(..., m, m)``, b ``(..., m, 1)`` and c
-    ``(..., 1, m)``. `batch`: batch of what is added later, with which the arrays broadcast.
+    output c z is the turbulent wind angle [rad]; a further wind acts on `loop` alone. `shape`: a
+    ``(..., m, m)``, b ``(..., m, 1)`` and c ``(..., 1, m)``. `batch`: batch of outputs that are
+    added later, with which the arrays broadcast.
     """
     system = loop.select(("wind",), loop.outputs)
     a, b, c = shape

@@ -361,7 +361,8 @@ class Availability(Tabled):
         """Return the `SurvivalFraction` of selected soundings with a limit [rad], by azimuth.
 
         `which`: whether a sounding is selected, ``(n,)``. `unknown`: verdict that unknown soundings
-        count as: 1 flown, 0 not flown; NaN keeps them out of the fraction.
+        count as: 1 flown, 0 not flown; NaN keeps them out of the fraction. The lower bounds of the
+        required deflections have the autocorrelation if all verdicts are alike.
         """
         times = self.soundings.times[which]
         season = (12 * self.soundings.years + self.soundings.months)[which]  # each month by itself
@@ -369,8 +370,8 @@ class Availability(Tabled):
         rows = zip(np.atleast_2d(flown), np.atleast_2d(self.lower), strict=True)
         return self._plain(
             [
-                survival_fraction(flies[which], need[which], times, season, self.confidence)
-                for flies, need in rows
+                survival_fraction(flies[which], required[which], times, season, self.confidence)
+                for flies, required in rows
             ]
         )
 

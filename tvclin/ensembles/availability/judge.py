@@ -259,9 +259,9 @@ class Judge:
         full = soundings.counts > 0
         bottom[full] = soundings.height[soundings.offsets[:-1][full]]
         top[full] = soundings.height[soundings.offsets[1:][full] - 1]
-        densest = self.path.densest  # height [m] of the largest dynamic pressure
+        max_q = self.path.max_q  # height [m] of the largest dynamic pressure
         with np.errstate(invalid="ignore"):
-            reasons = {TOO_LOW: top < densest, TOO_HIGH: bottom > densest}
+            reasons = {TOO_LOW: top < max_q, TOO_HIGH: bottom > max_q}
             if self.known_to is not None:
                 reasons[TOO_SHORT] = top < self.known_to
         return reasons

@@ -117,11 +117,12 @@ class PlaneMarch:
     def _limit(self, march: Curves, sign: float | None = None) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) [rad] and its time [s], ``(n,)`` each.
 
-        Trim is the deflection of zero moment, the demand the limit that is sufficient when held
+        Trim is the deflection of zero moment, the demand the constant deflection that is sufficient
         from then on; where two unstable modes are a pair, trim counts alone. `march`: both curves
-        of n winds. `sign`: sign of the deflections that count; None for both.
+        of n winds over time. `sign`: sign of the deflections that count; None for both.
         """
         _, equations = self._steps
+        # whether the modes are a pair at each time, from one flight for all winds
         paired = np.broadcast_to(equations.paired, march.trim.shape)
         return march.limit_of_trim_law(paired, sign)
 

@@ -168,16 +168,16 @@ _GUST_SEGMENTS = 64
 class FlightPath:
     """A flight over height, as arrays ``(f,)``.
 
-    `height` [m], `time` [s], `speed` [m/s], `climb`: flight path angle [rad]. `densest`: height [m]
-    of the largest rho V^2, in the standard atmosphere. `pressure`: whether winds count with the
-    dynamic pressure that they cause, or the nominal one.
+    `height` [m], `time` [s], `speed` [m/s], `climb`: flight path angle [rad]. `max_q`: height [m]
+    of the largest dynamic pressure, in the standard atmosphere. `pressure`: whether winds count
+    with the dynamic pressure that they cause, or the nominal one.
     """
 
     height: FloatArray
     time: FloatArray
     speed: FloatArray
     climb: FloatArray
-    densest: float
+    max_q: float
     pressure: bool
 
     @classmethod
@@ -188,8 +188,8 @@ class FlightPath:
         """
         time, height, speed, climb = checked_flight(flight)
         density = standard_atmosphere(np.clip(height, LOWEST, HIGHEST)).density
-        densest = float(height[np.argmax(density * speed**2)])
-        return cls(height, time, speed, climb, densest=densest, pressure=pressure)
+        max_q = float(height[np.argmax(density * speed**2)])
+        return cls(height, time, speed, climb, max_q=max_q, pressure=pressure)
 
     def speed_and_climb(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return speed [m/s] and flight path angle [rad] at times [s]."""
@@ -248,6 +248,7 @@ class FlightPath:
         path. `plane`: plane of the angles, pitch or yaw.
         """
         speed, climb = self.speed_and_climb(times)
+        # wind normal to the path over the nominal speed: at this airspeed the sine of the angle
         sine = along * (np.sin(climb) / speed) if plane == "pitch" else across / speed
         if not self.pressure:
             return _angle(sine), np.ones(sine.shape)
@@ -374,7 +375,7 @@ class SoundingWinds:
                 low, high = height[i, run.start], height[i, run.stop - 1]
                 ends[i, 0] = low if run.start else path.height[0]
                 ends[i, 1] = high if run.stop < height.shape[1] else path.height[-1]
-        inside = (ends[:, :1] <= path.densest) & (path.densest <= ends[:, 1:])
+        inside = (ends[:, :1] <= path.max_q) & (path.max_q <= ends[:, 1:])
         return np.where(inside, ends, np.nan)
 
     def unknown(self, height: FloatArray) -> BoolArray:

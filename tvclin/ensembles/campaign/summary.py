@@ -282,7 +282,7 @@ class CampaignSummary(Shown):
         """
         if not np.isinf(angle):
             return _angle(name, angle)
-        flights = self.results.flights
+        flights = self.results.flights  # numbers of survived and of lost flights
         if np.any(self.unknown):
             return ("not known",)
         diverged = self.output.startswith("flight_") and flights is not None and flights[1] > 0

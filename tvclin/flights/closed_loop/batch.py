@@ -442,7 +442,8 @@ def _cases(
 ) -> tuple[Cases, FloatArray]:
     """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
 
-    The second result is rows of noise of measured attitude rates [rad/s]. A flight is judged every
+    Matrices and states of the law are the same at all samples: a stage, a memory. The second result
+    is rows of noise of measured attitude rates [rad/s]. A flight is judged every
     `JUDGED_SAMPLES` samples, so that the time of waiting is a multiple of them. `judges`: outcome
     criteria of the different plants, with times [s] of settling and waiting, NaN in `reach` where
     flights have no outcome. `criteria_index`: index in `judges` of each of p vehicles, ``(p,)``.
@@ -459,6 +460,7 @@ def _cases(
         -(-np.minimum(waiting, _MAX_SAMPLES_AFTER_WIND) // kernel.JUDGED_SAMPLES)
         * kernel.JUDGED_SAMPLES
     )
+    # samples from the start to the fixed end of a flight, `NEVER` without, and to the wind's end
     finish, ends = (samples_in(a - start, h) for a in (np.full(h.shape, batch.until), end))
     noise, sequence = _noise(batch.laws, np.where(finish < NEVER, finish, ends + waiting))
     cases = Cases(

@@ -259,8 +259,8 @@ def flown_in_winds(
 
     `stages`: matrices of the loops at their samples, and winds. `which`: index of the wind of each
     flight, ``(m,)``. `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``.
-    `track`: whether the samples of a single flight are recorded. A flight that survives "rings" if
-    the loop at its end is unstable (`unstable_loops`).
+    `track`: whether the samples of a single flight are recorded. A flight that survives in a limit
+    cycle, as the loop at its end is unstable (`unstable_loops`), is marked by `rings`.
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)

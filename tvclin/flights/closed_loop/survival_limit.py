@@ -167,14 +167,14 @@ def _highest_losses(
     scan: FloatArray,
     levels: Sequence[tuple[float, int, int]],
 ) -> tuple[FloatArray, list[float]]:
-    """Return the highest lost value of each column, ``(n,)``, minus infinity without a loss.
+    """Return the highest lost value of each of n columns, minus infinity without a loss.
 
-    The second result is the end of the scan of each level, in the first column. A refinement counts
-    its steps from the highest loss so far; whenever a further one is lost, as many steps above that
-    one must survive. `lost`: function from values ``(k, n)`` to whether they are lost. `scan`:
-    values of the first scan, rising, ``(k, n)`` or ``(k, 1)``. `levels`: for each refinement its
-    step, the number of steps above a loss that must survive, and the stride of the steps that the
-    previous level has tried.
+    The second result is the last value that each refinement tried, in the first column. A
+    refinement counts its steps from the highest loss before it; whenever a further value is lost,
+    as many steps above that value must survive. `lost`: function from values ``(k, n)`` to whether
+    they are lost. `scan`: values of the first scan, rising, ``(k, n)`` or ``(k, 1)``. `levels`: for
+    each refinement its step, the number of steps above a loss that must survive, and the stride of
+    the steps that the previous level has tried.
     """
     highest, ends = np.where(lost(scan), scan, -np.inf).max(axis=0), []
     for step, clear, stride in levels:

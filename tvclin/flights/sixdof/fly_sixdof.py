@@ -334,11 +334,11 @@ def planes_verdict(
         if np.isfinite(component.onset):
             air = case.air(component, begin, until)
             winds.append((air.speeds, air.angles))
-        else:  # no wind in this plane; as many steps as in the other
+        else:  # no wind in this plane; as many steps as in the other, see `SixDof.air`
             count = int(np.ceil((until - begin) / step - 1e-9)) + 3
             winds.append((np.zeros(count), np.zeros(count)))
     speeds, angles = (np.stack(values) for values in zip(*winds, strict=True))
-    numbers = vehicle.replace(name="", time=None)
+    numbers = vehicle.replace(name="", time=None)  # airframes are reused by numbers alone
 
     def survives(limit: float) -> bool:
         """Return whether the vehicle survives the wind with a deflection limit [rad]."""

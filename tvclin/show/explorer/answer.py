@@ -252,12 +252,16 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     the requirement for each duration of the curve. A step is slow unless its answer is cached: a
     motion whose gust has no time yet, and a requirement with a gust or a direction of the wind.
     """
+    # plans with only those values on which a requirement, and the time of a gust, depend
     inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
-    # whether the worst time of a gust must be searched for now
+    # whether the worst time of a gust must be searched for now: it is neither given nor cached
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
     def in_placed_wind(compute: Cached) -> CachedAnswer:
-        """Return the answer of a function `compute` in the wind with its gust at the worst time."""
+        """Return the answer of `compute`, motion or outcome, with the gust at its worst time.
+
+        Without such a time it is the answer of that search, with the reason in its notes.
+        """
         at = placed(gust)
         if at.value is None:
             return at
