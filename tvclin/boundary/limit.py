@@ -147,12 +147,15 @@ class ExitProblem:
     def _run(
         self, function: Any, winds: Any, which: IndexArray, *arrays: Any, longer: int = 1
     ) -> None:
-        """Run a kernel `function` over cases: the winds, the wind index `which` of each, `arrays`.
+        """Run a kernel `function`, which writes into `arrays`, over cases.
 
-        `longer`: factor on the kernel's time, which is stated for trim that is the wind itself.
+        `winds`: pieces of the winds: knots, coefficients and exponential rates. `which`: index of
+        the wind of each case, ``(n,)``. `longer`: factor on the computing time, which is stated for
+        a trim that is the wind itself, not the filtered wind.
         """
         knots, _, rates = winds
         terms = longer * knots.shape[-1] * rates.shape[-1] * which.size
+        # time of all cases in plain Python and compiled, which decides whether to compile
         seconds = (switches.PLAIN * terms, switches.COMPILED * terms)
         run(function, (winds, which, *arrays), which.size, *seconds)
 

@@ -267,10 +267,14 @@ class RateTradeOff(TradeOff):
 
     @property
     def verdict(self) -> str:
-        """Whether the nozzle's point is below the lower bound, in words; empty where it is not."""
+        """Verdict in words: NOT SUFFICIENT below a lower bound, NOT KNOWN beyond the linear range.
+
+        Empty for a point above the bound, which may still be too small for a control, and for none.
+        A point that is sufficient with the wind known is below the bound without a forecast alone.
+        """
         if self.beyond_linear:
             return f"{sufficiency(None)}: {self.beyond_linear}"
-        if self.above_lower_bound is not False:
+        if self.above_lower_bound is not False:  # above it, or None: no nozzle given
             return ""
         whose = NO_FORECAST if self._sufficient_with_forecast else WIND_KNOWN
         return f"{sufficiency(False)}, below the {whose}"

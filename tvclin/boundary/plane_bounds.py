@@ -295,10 +295,11 @@ def _refined_maximum(
     step: float,
     ends: tuple[float, float],
 ) -> float:
-    """Return the largest value of `height` near a `start`, by grids about the best point.
+    """Return the largest value of `height` near a `start`, by grids about the best point, or zero.
 
-    `height`: function of two times [s] that broadcast. `start`: of both. `step`: half width [s] of
-    the first grid; each later one is narrower. `ends`: first and last time [s].
+    `height`: function of two times [s] that broadcast. `start`: both times. `step`: half width [s]
+    of the first grid; each later one is narrower. `ends`: first and last time [s] of both. Zero if
+    no value is positive.
     """
     s, T = start
     best = 0.0

@@ -382,10 +382,10 @@ def case_over_flight(
     case = winds.over(case)
     request = case.sizing
     assert request is not None
-    check_reading(case)
+    check_reading(case)  # [sounding] has keys only beside a sounding
     if case.sign not in (None, FROZEN):
         if request.pulse or request.others:  # pulses of the case and of its file
-            if case.planes == "yaw" and case.heading is None:
+            if case.planes == "yaw" and case.heading is None:  # a wind across the path
                 note_below(uncounted_sign(case.sign))
         elif "study.sign" in keys_set(source):
             raise InputError("--set study.sign needs a pulse: a sounding has its own sign")

@@ -362,9 +362,10 @@ def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Itera
         if rule in (rule_of_case, LEAST_NOZZLE) or (placed and frequency is None):
             continue
         poles = {"natural_frequency": frequency} if placed else {}
-        placed_design = with_gains(replace(specified, crossover=None), design=rule, **poles)
+        # a crossover limit is of the minimum deflection alone, and refused for other rules
+        rule_design = with_gains(replace(specified, crossover=None), design=rule, **poles)
         with suppress(InputError):  # the rule has no gains for this vehicle
-            ruled = replace(case, design=placed_design)
+            ruled = replace(case, design=rule_design)
             yield RuleResult.of(rule, ruled, ruled.autopilot)
 
 

@@ -223,7 +223,8 @@ class LocusPoles:
         if delay > 0.0:
             import control
 
-            powers = delay ** np.arange(order, -1.0, -1.0)  # from a delay of one second to this one
+            # for a delay of 1 s, then s replaced by s delay, with a constant term of one
+            powers = delay ** np.arange(order, -1.0, -1.0)
             top, bottom = (powers * p / p[-1] for p in control.pade(1.0, order))
             above, below = polynomials.multiply(above, top), polynomials.multiply(below, bottom)
         padded = np.pad(above, (below.size - above.size, 0))  # as long as the denominator
@@ -240,8 +241,9 @@ class LocusPoles:
     ) -> LocusPoles:
         """Return the locus of matrices: the eigenvalues of A - k B C/(1 + k D), in the s plane.
 
-        `system`: A, B, C and D. `zeros`: zeros of the loop. `to_s`: function from its poles to
-        those in the s plane [1/s].
+        k is the factor on the loop gain, 1 for the loop itself. `system`: A, B, C and D of the
+        loop L, fed back with a minus sign, in the s or the w plane. `zeros`: zeros of L in that
+        plane. `to_s`: function from poles or zeros in that plane to the s plane [1/s].
         """
         A, B, C, D = system
 

@@ -148,8 +148,9 @@ def autopilot_boundary(
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
     """Return a case at the dynamic pressure encountered at the peak of `size` times its wind.
 
-    `need`: requirement of the case, with the direction of the wind that counts. `InputError` for a
-    plant in state space, which is not known there, and for an unknown pressure.
+    `need`: requirement of the case, with the direction of the wind that counts, and the wind with
+    its gust `placed` in time. `InputError` for a plant in state space, which is not known at
+    another pressure, and where the pressure encountered is `unknown`, a text with the reason.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 

@@ -60,10 +60,12 @@ def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
 
 
 def _heading_cosines(heading: float) -> tuple[float, float]:
-    """Return the fractions of a wind along the path, from behind, and across.
+    """Return the horizontal components of a wind of speed one: along the flight, and across.
 
-    `heading`: direction from which the wind comes, from the direction of flight [rad].
+    Along is positive from behind, across from the right. `heading`: direction from which the wind
+    blows [rad], clockwise from the heading of the flight.
     """
+    # on a vertical flight both horizontal components are across the path: the sines of the angles
     along, across = sines_by_heading(heading, np.pi / 2)
     return float(along), float(across)
 

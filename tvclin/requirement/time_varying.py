@@ -532,9 +532,10 @@ class SteppedWinds:
 
         They are the smallest peaks of any control from the begin of steps on. `path`: states beyond
         attitude and rate under trim at the ends of steps, of `Curves`. `trim_ratios`: trim over K
-        [rad] at the ends of steps; None where peaks from the onset on are sufficient.
+        [rad] at the ends of steps; None where peaks from the onset on are sufficient. Arrays have
+        one row for each case, or a single row for all cases.
         """
-        steps, end, _onset = self._columns()
+        steps, end, _onset = self._columns()  # steps, and the costate at their end
         for modes in self.equations.modes:  # cases with the same number of modes each
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))

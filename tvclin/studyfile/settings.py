@@ -186,6 +186,7 @@ def _study(
     the file, and of the vehicle that it names.
     """
     tables = _changed(tables, of_study)
+    # the table that names the vehicle: [study], else [campaign]
     home = tables["study"] if "vehicle" in tables.get("study", {}) else tables.get("campaign", {})
     vehicle = home.get("vehicle")
     if not of_vehicle:
@@ -198,7 +199,7 @@ def _study(
     if not isinstance(vehicle, str):
         raise InputError(f"--set {of_vehicle[0].key} needs a vehicle in [study]")
     file = str(vehicle_source(vehicle, folder))
-    edited = _vehicle(file, source_tables(file), of_vehicle)
+    edited = _vehicle(file, source_tables(file), of_vehicle)  # the file's name with changed tables
     flight = tables.get("schedule")
     if isinstance(flight, dict) and flight.get("source") == vehicle:
         flight["source"] = edited

@@ -224,7 +224,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
     if s.limit is not None and s.survivable_peak is not None:
-        survived = abs(s.survivable_peak)
+        survived = abs(s.survivable_peak)  # [rad]; the autopilot's: a factor on the judged wind
         survived = np.fmin(survived, abs(s.judged_peak) * findings.autopilot_survives)
         peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
         by = ", with this autopilot" if survived < abs(s.survivable_peak) else ""

@@ -240,11 +240,13 @@ def _column(sheet: Sheet, name: str, dimension: str, entry: MapEntry) -> Column:
             f" for {key}, is not known; known are {', '.join(filter(None, units)) or 'none'}; if"
             " the bracket is no unit, leave it out of the name"
         )
+    # from here on the key has a unit, which the unit in the heading, if any, must equal
     if unit is not None and not np.isclose(unit.factor, factor):
         raise InputError(
             f"{sheet.text.source}: {heading.text} is not in the unit of {key}; write {name} with"
             " the unit of the column, or without a unit where the column names its own"
         )
+    # read as bare numbers, so that the unit of the key alone converts them
     values = sheet.numbers(replace(heading, unit=""), "number").values
     return Column(values * factor, f"column {heading.text}, read as {key}")
 

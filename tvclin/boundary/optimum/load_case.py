@@ -259,10 +259,11 @@ class LoadWeights:
 
     @cached_property
     def _after(self) -> ComplexArray:
-        """Weights of the load from each node on, decayed with the stable modes, ``(n + 1, k)``.
+        """Weights of the load from each node on, decayed to the node, by mode ``(n + 1, k)``.
 
-        With the recursion of `_discounted`, which goes forward: here from the last node to the
-        first, with nodes and cells in reversed order.
+        Stable modes use them. Each is the share of the mode times the weights of cells (their
+        `density_ends`) and of nodes. `_discounted` goes forward in time, so that nodes and cells
+        are given in reversed order, and the result is reversed again.
         """
         (start, end), nodes = self.density_ends[:, ::-1], self.node_weights[::-1]
         first = self.case.shares * nodes[0]

@@ -299,10 +299,11 @@ class Window:
         return bool(sizes.min() < _NEGLIGIBLE_MULTIPLIER * sizes.max())
 
     def vanishing_at(self, times: FloatArray) -> FloatArray:
-        """Return multipliers ``(n,)`` whose sum lambda . e is smallest, or zero, at `times` [s].
+        """Return multipliers lambda ``(n,)`` whose sum lambda . e is zero, or smallest, at `times`.
 
-        They are the right singular vector of the smallest singular value of the e_i at these times,
-        scaled to like sizes. Without times they are the demands over the squared sizes of the e_i.
+        They are the right singular vector of the smallest singular value of the e_i at these times
+        [s], ``(k,)``, with rows and columns scaled to like sizes against rounding. Without times
+        they are the demands over the squared `sizes` of the e_i (bounds of their L1 norms).
         """
         c = self.constraints
         if not times.size:
@@ -311,7 +312,8 @@ class Window:
         with np.errstate(divide="ignore", over="ignore"):
             scale = 1.0 / np.abs(values).max(axis=1)
         scale = np.where(np.isfinite(scale), scale, 1.0)
-        weight = np.abs(values / self.sizes[:, np.newaxis]).max(axis=0)  # of each time
+        # weight of each time: the largest of the e_i then, each over its own size
+        weight = np.abs(values / self.sizes[:, np.newaxis]).max(axis=0)
         rows = np.nan_to_num((values * scale[:, np.newaxis] * weight).T, posinf=0.0, neginf=0.0)
         *_, right_vectors = np.linalg.svd(rows)
         return right_vectors[-1] * scale

@@ -365,7 +365,8 @@ def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> lis
     """
     if isinstance(loop, DrivenLoop):
         return [loop.jumps[index]] * len(times)
-    length, *arrays = loop.jump_at(index, times)  # matrix, wind and noise over all times
+    # length [s] of the interval, the same at all times; matrix, wind and noise over all times
+    length, *arrays = loop.jump_at(index, times)
     return [Jump(length, *at_time) for at_time in zip(*arrays, strict=True)]
 
 

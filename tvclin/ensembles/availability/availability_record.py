@@ -322,7 +322,11 @@ class Availability(Tabled):
         }
 
     def _repr_html_(self) -> str:
-        """Return a card for notebooks: limit, fraction that flies, sufficient limits, notes."""
+        """Return a card for notebooks: limit, fraction that flies, sufficient limits, notes.
+
+        Fractions are by azimuth. The limit sufficient for a fraction of the soundings is that of
+        `placard`, of all azimuths in one row.
+        """
         parts = self._rows(self.fraction())
         rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()

@@ -257,13 +257,14 @@ class CampaignResults(Tabled):
         return int(np.sum(survived == 1.0)), int(np.sum(survived == 0.0))
 
     def loss_drivers(self) -> dict[str, statistics.Driver]:
-        """Return the drivers of the loss of flights by parameter, the strongest first.
+        """Return the drivers of the loss of flights by dispersed parameter, the strongest first.
 
-        Empty where nothing was flown, no flight is lost, or every flight is lost.
+        A driver is the correlation of a parameter with the loss, and its confidence. Empty where
+        nothing was flown, no flight is lost, or every flight is lost.
         """
         if "flight" not in self.campaign.outputs:
             return {}
-        dispersed, survived = self._dispersed_and("flight_survived")
+        dispersed, survived = self._dispersed_and("flight_survived")  # 1 survived, 0 lost
         return statistics.loss_drivers(dispersed, survived == 0.0)
 
     def drivers(self, output: str | None = None) -> dict[str, float]:

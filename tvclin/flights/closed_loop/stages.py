@@ -262,8 +262,8 @@ class Stages:
             interval = self._interval(self.breaks)
             return smooth_values(self._arrays_at, self.times, interval, self.storage)
         interval = self._interval(self.vehicle_breaks)
-        places = self._places(self.times)
-        inside = np.minimum(places, self.stops[self.flight])
+        places = self._places(self.times)  # times within each sample at which plants are evaluated
+        inside = np.minimum(places, self.stops[self.flight])  # not after the end of the flight
         pressure = self.pressure_at(inside.ravel(), np.tile(self.flight, len(places)))
         return self._in_pressure(interval, pressure.reshape(places.shape))
 
@@ -372,9 +372,9 @@ class Stages:
     def _interval(self, breaks: Sequence[FloatArray], *, crossing: bool = False) -> IntArray:
         """Return the number of the smooth interval of the samples of all flights, ``(n,)``.
 
-        Intervals are counted over all flights. `breaks`: times [s] between which each flight is
-        smooth. `crossing`: whether a sample with a breakpoint inside has the number of its start,
-        and not -1.
+        Intervals are counted over all flights. A sample with a breakpoint inside, which cannot be
+        interpolated, is -1; with `crossing` it has the number of the interval in which it starts.
+        `breaks`: times [s] between which each flight is smooth.
         """
         numbers, before = np.empty(self.times.size, np.int64), 0
         # a rounding before the end, so that a breakpoint there is not inside the sample
@@ -384,7 +384,7 @@ class Stages:
             at = np.searchsorted(times, self.times[of_flight], side="right")
             inside = crossing | (at == np.searchsorted(times, ends[of_flight], side="left"))
             numbers[of_flight] = np.where(inside, before + at, -1)
-            before += times.size + 1
+            before += times.size + 1  # intervals of this flight
         return numbers
 
     def _arrays_at(

@@ -468,10 +468,11 @@ class Airframe:
     def _attitude_hold(self, trajectory: FloatArray | None) -> Callable[[], None]:
         """Return the function that holds the nose on the path in the other plane, before a step.
 
-        `trajectory`: `OUTPUTS` of the nominal flight in pitch, ``(n, 5)``, whose rate and
-        deflection are the reference; without it they are zero.
+        The other plane is the one in which no law flies. `trajectory`: `OUTPUTS` of the nominal
+        flight in pitch, ``(n, 5)``, whose rate and deflection are the reference; without it they
+        are zero.
         """
-        if self._gains is None:
+        if self._gains is None:  # flat planet and frozen parameters: no control is required
             return lambda: None
         (other_plane,) = set(DEFLECTIONS) - {self._plane}
         angles, rates, *_ = self._readers[other_plane]

@@ -211,6 +211,7 @@ class DeflectionUse(Tabled):
         return table(self.table())
 
     def _columns(self) -> Columns:
+        """Return the requirements, the used and the remaining deflection [rad] over the time."""
         columns = [
             Column(f"required_{label.replace(' ', '_')}", values, "rad")
             for label, values in self.required.items()

@@ -124,13 +124,13 @@ class FlightMode:
         return np.array(costate), reach
 
     def _costates_and_reaches(self, t: Any) -> FloatArray:
-        """Return costate p and reach R of `at`, and absolute reach, ``(m + 2,) + t.shape``.
+        """Return costate p, control reach R and absolute reach in rows, ``(m + 2,) + t.shape``.
 
-        The absolute control reach is the integral of ``|p.b|`` from t on. All are integrated
-        backwards to `t` [s] from the next of the times at which they are stored.
+        p and R are those of `at`; the absolute control reach is the integral of ``|p.b|`` from t
+        on. All are integrated backwards to `t` [s] from the next of the times of `_march`.
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
-        ends, costates = self._march
+        ends, costates = self._march  # times of storage [s], and p with both reaches there
         step = np.minimum(np.searchsorted(ends, times, side="left"), ends.size - 1)
         solution = _before(costates[step], self._step_matrices(times, ends[step]))
         return np.moveaxis(solution, -1, 0)

@@ -188,7 +188,7 @@ def _read(text: Text, reading: TableOptions) -> Levels:
     if reading.ground is not None:
         values["height"] = values["height"] + reading.ground
         notes.append(f"heights above the ground, at {reading.ground:g} m: above the sea")
-    if len(values) == 5:  # height, speed and direction, and both components
+    if len(values) == 5:  # height, speed, direction, and the east and north components
         _compare_components(sheet, values, notes)
     make: Callable[..., Levels] = Levels.from_direction if "speed" in values else Levels
     return make(
@@ -196,6 +196,7 @@ def _read(text: Text, reading: TableOptions) -> Levels:
         line=sheet.line,
         **values,
         geopotential=columns["height"].geopotential,
+        # a column of time: levels in the order of an ascent, of which some may descend
         balloon=any("time" in heading.names for heading in sheet.headings),
         notes=tuple(notes),
     )
