@@ -150,11 +150,10 @@ def _sounding(
         )
     if (wind.gust is None) != (gust_time is None):
         raise InputError("gust_time must be given for a sounding with a gust, and for no other")
-    full_wind = replace(wind, window=None)
     history: History = wind.wind
-    if gust_time is not None:
+    if gust_time is not None:  # the whole sounding, not only a window about the gust
         time = number("gust_time", gust_time, unit="s")
-        history = full_wind.of_both_signs(flight.at(time).rigid)
+        history = replace(wind, window=None).of_both_signs(flight.at(time).rigid)
     speeds = None if sign == wind_angles.FROZEN else wind.speeds
     return sounding_along(history, speeds, plane, wind.known)
 

@@ -160,9 +160,10 @@ class Options:
         return [_option(name, item, self.shown, panel) for name, item in self.fields.items()]
 
     def taken(self, options: dict[str, Any]) -> Self:
-        """Return the options of the group with values, and remove them from the command's.
+        """Return the options of the group with values [SI], and remove them from the command's.
 
-        `options`: values of a command by parameter; None, or an empty list, is not given.
+        `options`: values of a command by parameter, in the units of the options; None, or an empty
+        list, is not given.
         """
         chosen = {name: options.pop(name) for name in self.fields}
         values = {

@@ -226,10 +226,12 @@ class FlightOptions(PulseOptions):
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, at each flight time.
 
-        A peak speed is a field of the plan's sizing, and gives an angle at each flight time. Any
-        option of a pulse makes it fly beside soundings too. `source` is not used.
+        A peak speed stays a speed, of which each flight time makes its own angle. With soundings
+        the pulse counts as well if an option of it is given. `source`: file of the case, which only
+        `WindOptions.over` reads.
         """
-        azimuth = None if self.winds else self.azimuth_deg  # which soundings have taken
+        # with soundings the azimuth is a part of these, see `soundings`
+        azimuth = None if self.winds else self.azimuth_deg
         angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
         plan = PulseOptions.over(angular, plan)
         request, speed = plan.sizing, self.peak_speed

@@ -189,7 +189,8 @@ def fly_turbulence(
     linear = turbulence_history(
         autopilot, plant, turbulence, speed, duration, wind=wind, altitude=altitude
     )
-    V, (_intensity, length) = errors.number("speed", speed), turbulence.over(altitude)
+    V = errors.number("speed", speed)
+    _intensity, length = turbulence.over(altitude)  # the scale length [m] decides the steps
     times = _times(0.0, float(duration), time_scale=float(np.min(length)) / V)
     fly = partial(
         fly_many,

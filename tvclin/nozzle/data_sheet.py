@@ -183,7 +183,7 @@ class NozzleVerdict(Shown):
     @property
     @derived(label="verdict")
     def words(self) -> str:
-        """The verdict in a sentence, with its reason."""
+        """The verdict with its reason: NOT SURVIVED for a lost flight, else whether it is MET."""
         specified = any(line.available is not None for line in self.lines)
         if not (specified or self.diverged or self.unknown):
             return "nothing is judged; give a limit and a rate limit"

@@ -89,11 +89,12 @@ class FlownDuty(Shown):
     def of(cls, case: Case, name: str, law: Law) -> Self:
         """Return the duty of a law in the wind of a case, whose nozzle has a deflection limit.
 
-        `name`: name of the law.
+        `name`: name of the law. A wind beyond the linear aerodynamics, or a flight without an
+        outcome, is not judged; a flight that is lost has a duty, and the verdict says so.
         """
         limit, data, vehicle = case.nozzle.limit, case.nozzle.data, None
         assert limit is not None
-        if data is not None:
+        if data is not None:  # data of the nozzle's joint, for its torque, which a vehicle loads
             vehicle = complete_vehicle(case.vehicle, "the torque of a nozzle").rigid
         if beyond := beyond_linear(float(case.history.peak)):
             unknown_verdict = NozzleVerdict.unknown_of(case.nozzle, (beyond,))

@@ -290,6 +290,7 @@ def recentred(c: AnyArray, rates: AnyArray, u: FloatArray) -> AnyArray:
     """
     order = c.shape[-1]
     step = u[..., np.newaxis]
+    # (v + u)^k = sum of comb(k, low) u^(k - low) v^low: each power of v by Horner's rule in u
     columns = []
     for low in range(order):
         column = c[..., order - 1] * comb(order - 1, low)

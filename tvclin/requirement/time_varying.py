@@ -232,8 +232,8 @@ def steps_after(equations: Equations) -> IndexArray:
     """Return the number of steps of flights of the limited law after the wind, ``(n,)``.
 
     `equations`: of n cases. The calm lasts some time constants of the unstable pole, in steps of
-    the fastest rate. The number is zero on a slow path, on which the law returns to equilibrium
-    whenever the limit permits.
+    the fastest rate. The number is zero where the flight path is slow beside the attitude (not
+    `quick_path`): there the law returns to equilibrium whenever the limit permits, without flights.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         # fastest rate over the unstable pole, at least one; NaN without an unstable pole

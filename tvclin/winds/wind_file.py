@@ -112,10 +112,11 @@ def _gust_as_wind(document: Mapping[str, Any]) -> ShapedWind:
 
 
 def wind_values(table: FileTable, row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values [SI] of a table of a wind, with a placeholder for a peak by its speed.
+    """Return the values [SI] of a table of a wind without its peak speed.
 
-    `table`: specification of the keys. `row`: the table in the file. `InputError` unless it has
-    one of both peaks.
+    A peak by its speed has no angle until the vehicle is known: "peak" is then a placeholder [rad],
+    and the caller reads the speed itself. `table`: specification of the keys. `row`: the table in
+    the file. `InputError` unless it has one of both peaks.
     """
     values = table.read(row)
     if ("peak_speed" in values) == ("peak" in values):

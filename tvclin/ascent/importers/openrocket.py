@@ -56,7 +56,11 @@ def _export(path: str | PathLike[str]) -> Sheet:
     names = [letters(name) for _, name in _NEEDED.values()]
 
     def fit(headings: Headings) -> float:
-        """Return how well the headings of a line fit: one, and one for each needed column."""
+        """Return how well the headings of a line fit the names of an export; zero if not at all.
+
+        It is one plus the number of needed columns (`names`) that the line has. A line of headings
+        has a time, or several names with units, as in another language.
+        """
         with_units = [heading for heading in headings if heading.unit is not None]
         available = {name for heading in with_units for name in heading.names}
         if "time" not in available and len(with_units) < _WITH_UNITS:

@@ -117,7 +117,8 @@ def _linear_program(
 def initial_cells(window: Window) -> FloatArray:
     """Return breakpoints [s] of cells up to the end of a `window`, ``(k + 1,)``, from zero on.
 
-    They are even in e^(-p u/4) for every pole p, and even in each period of a complex pair.
+    They are even in e^(-p u/4) for every pole p, and even in each period of a complex pair, up to
+    `TRUNCATED` e-folding times of the slowest pole; one more cell reaches to the end.
     """
     c = window.constraints
     last = min(window.end, TRUNCATED / c.decays.min())
@@ -325,10 +326,11 @@ def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedS
 
 
 def _newton_step(current: SignedSum) -> FloatArray:
-    """Return the Newton step ``(n,)`` of the multipliers of the sum `current`, well scaled.
+    """Return the Newton step ``(n,)`` of the multipliers lambda of the sum `current`, lambda . e.
 
-    It is for half the square of the L1 norm of lambda . e minus lambda . d, whose gradient, L1 m -
-    d with the moments m of the sign, is zero at the optimum.
+    e: the exponentials of the poles, d: their demands, t_j: the zeros of the sum. It minimises
+    L1^2/2 - lambda . d with the L1 norm of the sum, whose gradient is L1 m - d with the moments m
+    of the sign.
     """
     # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
     c = current.window.constraints

@@ -61,9 +61,11 @@ class Terms:
 
     @classmethod
     def of(cls, loop: Loop, plant: AnyArray) -> Terms:
-        """Return the partial fractions of k loops in matrix form, those of n modes by themselves.
+        """Return the terms of n modes in the partial fractions of k loops in matrix form.
 
-        `plant`: poles of the modes in the plant [1/s], ``(k, n)``.
+        Pole and residue are in the variable w of the loops: s, or for sampled loops the bilinear
+        variable. `plant`: poles of the modes in the plant [1/s], ``(k, n)``; NaN for no mode, of
+        which the residue is zero.
         """
         form = loop.form
         assert isinstance(form, StateLoop)

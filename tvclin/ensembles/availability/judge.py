@@ -323,8 +323,9 @@ class Judge:
         """Return whether flights survive with a limit [rad] and with all above it, ``(n,)``.
 
         `marched`: pairs of the index of a plane, and winds of n soundings in it, all of which must
-        be survived. With a round limit shape the limit is divided between the planes in the ratio
-        of their bounds.
+        be survived. With a round limit shape each plane has a share of the limit, in the ratio of
+        the lower bounds of their requirements. Bounds decide first; a flight is flown only where
+        they do not, and no other wind of the sounding is insufficient.
         """
         _, first_winds = marched[0]
         lower = np.zeros((len(self.planes), *first_winds.bounds.lower.shape))  # by plane

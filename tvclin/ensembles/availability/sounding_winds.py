@@ -283,7 +283,8 @@ class SoundingWinds:
     def of(cls, soundings: Soundings, path: FlightPath) -> SoundingWinds:
         """Return the winds of soundings, all usable, with the gaps along the path of a flight.
 
-        A gap is an interval between two levels further apart than `MAX_LEVEL_DISTANCE`.
+        A gap is an interval between two levels further apart than `MAX_LEVEL_DISTANCE`. Both levels
+        that are added at its edges, just inside, have no wind.
         """
         height, offsets = soundings.height, soundings.offsets
         wide = np.diff(height) > MAX_LEVEL_DISTANCE

@@ -58,11 +58,16 @@ _interrupted = Event()
 
 @contextmanager
 def processes(workers: int) -> Iterator[futures.Executor]:
-    """Yield an executor of `workers` processes of this machine with a single thread each."""
+    """Yield an executor of `workers` processes of this machine with a single thread each.
+
+    On an exception no further task begins.
+    """
     if not 1 <= whole_number("workers", workers) <= _MAX_WORKERS:
         raise InputError(f"workers must be from 1 to {_MAX_WORKERS}; got {workers}")
     context = get_context("spawn")
-    resource_tracker.ensure_running()  # its start would let Ctrl-C through again
+    # multiprocessing's tracker of semaphores is started first: its start unblocks SIGINT (Ctrl-C),
+    # which `submit` blocks while it starts a process
+    resource_tracker.ensure_running()
     with _Processes(workers, mp_context=context, initializer=_begin_worker) as pool:
         try:
             yield pool

@@ -387,8 +387,8 @@ def compute(campaign: Campaign, batch: Batch, *, case_by_case: bool) -> dict[str
     `case_by_case`: compute the outputs that take a single case at a time, or else the others.
 
     In a wind beyond linear aerodynamics, and in one that is not known throughout, no deflection is
-    known to be sufficient: it is infinite, and a flight counts as lost. `InputError` when a case
-    has no answer.
+    known to be sufficient: it is infinite, and a flight counts as lost (`_VALUES_BEYOND`). Margins,
+    which no wind changes, stay. `InputError` when a case has no answer.
     """
     outputs: dict[str, Any] = {}
     for name in campaign.outputs:

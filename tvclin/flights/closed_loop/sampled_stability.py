@@ -304,12 +304,15 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         dD = step(1.0, 2.0) - M_1 - dA
 
     def response(angles: Any) -> ComplexArray:
-        """Return l at angles [rad] on the unit circle, in their shape."""
+        """Return l at angles [rad] of z on the unit circle, in their shape.
+
+        l is the trace of (z - M_0)^-1 (M_1 - M_0), M_0 and M_1 being the steps for factors 0 and 1.
+        """
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples
-        M = A_1 + delay * D_1  # M_1; the change from M_0 to it follows
-        change = delay * D_1 if name == "gain" else dA + delay * dD
-        product = np.linalg.solve(z * unit - M + change, change)
+        M_1 = A_1 + delay * D_1
+        change = delay * D_1 if name == "gain" else dA + delay * dD  # M_1 - M_0
+        product = np.linalg.solve(z * unit - M_1 + change, change)
         return np.asarray(np.trace(product, axis1=-2, axis2=-1))
 
     return response

@@ -415,7 +415,9 @@ class Stages:
         both Gauss points. Names: joint, ramp and fine as in `Steps`; shown, A and gust as in
         `Vehicles`.
         """
+        # m samples; coefficients of a piece of the wind, a polynomial
         count, terms, shape = places.shape[1], self._pieces[1].shape[2], flight.shape
+        # all samples have the same parts
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
         lengths = np.ascontiguousarray(timing.lengths[:, 1:].T)  # (parts, m)
         plants = self.flown_plants(places.ravel(), flight, pressure)
@@ -430,12 +432,12 @@ class Stages:
         def at_nodes(made: LinearSystem) -> LinearSystem:
             """Return the constant systems equal to varying ones over parts of samples.
 
-            Shape ``(parts, m)``. `made`: systems at all places, of which those at both Gauss points
-            of each part are used.
+            Shape ``(parts, m)``. `made`: systems at all places; the first ones are at the first
+            Gauss point of each part of each sample, then as many at the second.
             """
-            count = lengths.size
+            nodes = lengths.size  # parts times m
             first, second = (
-                _in_parts(made.cases(np.arange(k * count, (k + 1) * count), shape), lengths.shape)
+                _in_parts(made.cases(np.arange(k * nodes, (k + 1) * nodes), shape), lengths.shape)
                 for k in range(2)
             )
             return constant_over_steps(first, second, lengths)

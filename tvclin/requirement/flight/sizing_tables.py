@@ -133,7 +133,7 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
         head = ["time [s]", "both planes", *plane_heads, "pitch alone misses [%]"]
         nominal = replace(counted, direction="")
         rows_by_plane = tuple(
-            _by_planes(sizing, nominal, i, wind) for i in _differing(sizing, nominal, wind)
+            _by_planes(sizing, nominal, i, wind) for i in _rows_of(sizing, nominal, wind)
         )
         tables.append(Table(f"{nominal} by planes [deg]{suffix}", tuple(head), rows_by_plane))
     return tables
@@ -158,20 +158,20 @@ def fixed_wind_table(sizing: Sizing, wind: int) -> Table:
 
 
 def _is_fixed(sizing: Sizing, names: Sequence[Requirement]) -> BoolArray:
-    """Return whether winds have a single number of all these requirements, ``(m,)``.
+    """Return whether each of the m winds of a sizing is fixed in flight time, ``(m,)``.
 
-    `sizing`: its m winds. `names`: requirements of a wind that is fixed in the flight, or by flight
-    time.
+    Such a wind has one requirement for the whole flight, which arises at a known time, instead of
+    one for each flight time. `names`: requirements of which all must be so.
     """
     return np.all([~np.isnan(sizing.arising(name)) for name in names], axis=0)
 
 
-def _differing(sizing: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
-    """Return indices of the flight times of the rows of a requirement.
+def _rows_of(sizing: Sizing, name: Requirement, wind: int | None) -> Sequence[int]:
+    """Return the indices of the flight times at which a requirement has a row in a table.
 
-    They are all; for winds that are fixed in the flight, with one number for all flight times, the
-    first at which it is known. `name`: the requirement. `wind`: index of a wind, None for the
-    worst.
+    They are all. A wind that is fixed in flight time has one requirement for all flight times: then
+    the first at which it is known. `name`: the requirement. `wind`: index of a wind; None for the
+    worst, which is fixed where all winds are.
     """
     fixed = ~np.isnan(sizing.arising(name))
     finite = np.isfinite(sizing.required[name])

@@ -165,14 +165,15 @@ class DeflectionTotal(Shown):
         return self.words_with()
 
     def words_with(self, autopilot: str = "") -> str:
-        """Return the verdict in words, with the outcome of the autopilot's flights if given.
+        """Return the lines of the verdict as clauses of a sentence, and the required deflection.
 
-        Raises `InputError` for an outcome that is no text.
+        `autopilot`: outcome of the autopilot's flights, for a clause after the verdict on the
+        limit; empty for none. `InputError` for an outcome that is no text.
         """
         errors.text("autopilot", autopilot)
         clauses = [cell_text(line) for line in self.verdict]
         clauses[1:] = [f"{clause[0].lower()}{clause[1:]}" for clause in clauses[1:]]
-        if autopilot:
+        if autopilot:  # "Limit 5 deg: budget SUFFICIENT, ..; autopilot .."
             clauses[:1] = [clause.replace(": ", ": budget ", 1) for clause in clauses[:1]]
             clauses.insert(1, f"autopilot {autopilot}")
         if self.lines:

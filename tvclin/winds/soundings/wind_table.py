@@ -208,7 +208,8 @@ def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _C
     `reading`: units and site elevation that the `sheet` does not say.
     """
     candidates = [column for column in map(_wind_column, sheet.headings) if column is not None]
-    units = reading.units  # factors to SI by kind of quantity
+    # factors to SI by kind of quantity, for columns whose names have no unit
+    units = reading.units
     if reading.openrocket_units:
         units = _DEFAULT_UNITS | units
     elif units:  # directions are in degrees where the user names other units alone
@@ -226,6 +227,7 @@ def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _C
     if "height" not in usable or not pairs:
         raise _missing_columns_error(sheet, candidates, list(usable))
     selected = {name: usable[name][0] for name in ("height", *(n for pair in pairs for n in pair))}
+    # kinds of quantity with an assumed unit, of which there is a text
     unnamed = {_KINDS[name] for name, column in selected.items() if column.unnamed}
     texts = [
         text for kind, text in _DEFAULT_UNIT_TEXTS.items() if kind in unnamed - reading.units.keys()
@@ -236,10 +238,11 @@ def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _C
 
 
 def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None) -> list[_Column]:
-    """Return the columns of a sheet except heights above another reference, sea or ground.
+    """Return the columns of a sheet without heights above the other reference, sea or ground.
 
-    `candidates`: columns of heights and winds. `ground`: elevation of the site [m], for heights
-    above the ground; None for heights above the sea.
+    `candidates`: columns of heights and winds. `ground`: elevation of the site [m], which says that
+    heights are above the ground; None: above the sea. `InputError` where no height has the wanted
+    reference, or one says that it is above the sea though `ground` is given.
     """
     heights = [column for column in candidates if column.quantity == "height"]
     above_sea = [column for column in heights if not column.ground]
@@ -251,7 +254,8 @@ def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None)
         )
     if ground is not None and any(column.sea or column.geopotential for column in heights):
         raise sheet.error(f"there are heights above the sea ({names}): leave above_ground out")
-    dropped = above_ground = [column for column in heights if column.ground]
+    above_ground = [column for column in heights if column.ground]
+    dropped = above_ground
     if ground is not None:  # heights without a reference count where none is above the ground
         dropped = above_sea if above_ground else []
     return [column for column in candidates if column not in dropped]
