@@ -529,6 +529,7 @@ def completed(text: str, table: FileTable, kind: type) -> str:
     end = text.find("\n\n", start + 1) % len(text)  # not found, -1, is the last line feed
     written = text[start:end]
     missing = [item for item in _keyed(kind) if not re.search(rf"\b{item.called}(_|\b)", written)]
+    # of spellings in several units, such as "x_deg or x_rad", the first
     keys = [table.spelled(item.called).split(" or ")[0] for item in missing]
     remarks = [
         f"also {k}: {_UNIT.sub('', item.help)}" for k, item in zip(keys, missing, strict=True)

@@ -143,9 +143,9 @@ def _write(result: Availability, source: str, csv: Path | None, plot: Path | Non
 def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
     """Return the plan of a source with the keys that have a value, and note what is omitted of it.
 
-    A study file without a wind gets the usual pulse, which an availability does not count. `keys`:
-    values by key of a study file; None, or an empty list, is not given. `InputError` without an
-    archive, a direction of flight or a limit.
+    A study needs a wind, which an availability does not use: without one it gets `DEFAULT_WIND`.
+    `keys`: values by key of a study file; None, or an empty list, is not given. `InputError`
+    without an archive, a direction of flight or a limit.
     """
     values = {key: value for key, value in keys.items() if value is not None and value != []}
     if "availability.months" in values:
@@ -155,7 +155,8 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
         key.removeprefix("availability.") for key in (*values, *tables.get("availability", {}))
     ]
     for name, needed in {"archive": "a STATION", "azimuth": "--azimuth-deg"}.items():
-        if not any(key.startswith(name) for key in named):  # in any unit
+        # a key may end in a unit, as azimuth_deg
+        if not any(key.startswith(name) for key in named):
             raise InputError(f"availability needs {needed}, or a file with [availability]")
     if "study" in tables and "wind" not in tables:
         values |= {"wind.shape": DEFAULT_WIND.shape, "wind.peak_rad": DEFAULT_WIND.peak}

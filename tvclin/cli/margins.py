@@ -179,10 +179,10 @@ def _bounds(autopilot: Autopilot, plant: AnyPlant) -> MarginBounds | None:
 
 
 def _poles(autopilot: Autopilot, plant: AnyPlant) -> str:
-    """Return the closed-loop poles [1/s] as text, without those of a delay that decay at once.
+    """Return the closed-loop poles [1/s] as text, without the poles that only model a delay.
 
-    Of a sampled loop they are log(z)/h. Omitted are poles that approximate a delay, and of a
-    sampled loop those that its delay puts at z = 0.
+    Of a loop in continuous time these are stable poles of the Pade approximation that no pole of
+    the exact loop is near, of a sampled loop, whose poles are log(z)/h, those at z = 0.
     """
     if autopilot.sample_rate is None:
         poles = autopilot.closed_loop_poles(plant)

@@ -461,7 +461,7 @@ def _boundaries(plant: Plant, wind: History) -> tuple[dict[float, float], list[s
     """
     bands = np.array(DEAD_BANDS)
     try:
-        # Literal: the switch compares the trim deflection itself with K times the limit.
+        # "literal": the dead band ends where trim itself, not the wind, exceeds K times the limit
         boundary = boundary_limit(plant, wind, bands, "literal")
         requirement = with_larger_requirements(plant, wind, bands, boundary)
     except InputError as error:

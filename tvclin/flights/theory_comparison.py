@@ -124,8 +124,8 @@ class FlightComparison:
     def ended(self) -> tuple[bool, bool]:
         """Whether the flight and the linear flight leave the range of their models in the wind.
 
-        Then the attitude is NaN there. It is NaN also after the limit was released (`let_go`),
-        which does not count.
+        The attitude is then NaN before the wind ends. It is NaN also after the release of the limit
+        at a finite time, `let_go`, which does not count.
         """
         flown, linear = (
             bool(np.isnan(rows[0, self._during_wind]).any() and np.isinf(let_go))
@@ -395,6 +395,8 @@ def fly_sampled(
     plant: AnyPlant, law: Law, wind: History, timepts: ArrayLike, **nozzle: Any
 ) -> SampledFlight:
     """Return a sampled flight of a law and its outcome, for a vehicle and for the rigid vehicle.
+
+    `linear`, `predicted` and the second entries of pairs are of the rigid vehicle's flight.
 
     `plant`: one plant; its rigid one is flown too. `wind`: one wind that ends. `timepts`: times
     [s], ``(n,)``. `nozzle`: deflection_limit, rate_limit, actuator, sample_rate and delay of `fly`,

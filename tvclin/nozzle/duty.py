@@ -355,14 +355,18 @@ def nozzle_duty(
 
     Notes
     -----
-    With the axial and the normal acceleration of the hinge
+    With the axial and the normal acceleration of the hinge [m/s^2]
 
         a_x = (T - F_A)/m,    a_n = (N alpha + T delta)/m - l_c theta''
 
-    the actuators give, positive as delta,
+    the actuators give the torque [N m], positive as delta,
 
         M = J_E (delta'' + theta'') + s_E (a_x delta - a_n) + c delta' + k delta
             + M_f sgn(delta') + m_E a_x e + T e_T.
+
+    T, F_A, N alpha are thrust, axial and normal force on the vehicle of mass m, l_c its control
+    arm. m_E, s_E, J_E are mass, static moment and inertia of the engine about the hinge; k, c, M_f,
+    e, e_T are stiffness, damping, friction and offsets of `NozzleData`.
 
     Deflections are straight between the times, and accelerations differences of their slopes: a
     deflection that jumps, or kinks, has larger accelerations the closer the times are.
@@ -406,15 +410,17 @@ def duty_of_motion(
     nozzle: NozzleData | None,
     vehicle: Vehicle | None,
 ) -> NozzleDuty:
-    """Return the duty of a nozzle in a motion, for torque with an engine and a hinge.
+    """Return the duty of a nozzle in a motion: angle, rates, travel, reversals, and its torque.
 
-    `limit`: deflection limit [rad] or None. `window`: length [s] of the mean of the steady rate.
-    `nozzle`: engine and hinge, None without torque. `vehicle`: None on a bench.
+    `limit`: deflection limit [rad], for the time at it, or None. `window`: length [s] over which
+    the steady rate is a mean. `nozzle`: engine and hinge, None without torque. `vehicle`: None on a
+    bench.
     """
     t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
     width = min(window, float(t[-1] - t[0]))
-    turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]
-    # Of straight lines the mean rate is largest in a window that begins or ends at a time given.
+    turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]  # its changes of sign: reversals
+    # The deflection is straight between the times, so that its mean rate over a window is largest
+    # where the window begins or ends at one of these.
     begin = np.concatenate([t, t - width])
     begin = begin[(begin >= t[0]) & (begin <= t[-1] - width)]
     steady = (np.interp(begin + width, t, delta) - np.interp(begin, t, delta)) / width

@@ -340,7 +340,7 @@ def plane_chart(
     for name, plane_plant in (("plant", plant), ("yaw_plant", yaw_plant or plant)):
         errors.single(name, plane_plant.batch)
     dead_band = errors.number("dead_band", dead_band, errors.between(0.0, 1.0))
-    # literal: the dead band is left where trim leaves it
+    # "literal": the dead band ends where trim itself, not the wind, exceeds K times the limit
     limit = plane_limit(plant, wind, shape, dead_band, switch="literal", yaw_plant=yaw_plant)
     pair = PlanePair((plant, yaw_plant or plant), wind)
     knots = np.union1d(wind.pitch.knots, wind.yaw.knots)

@@ -168,8 +168,9 @@ class Findings:
         def requirement(size: float) -> float:
             """Return the autopilot requirement [rad] in `size` times the head wind.
 
-            It is flown in the head wind at the higher pressure, and scales with the wind. Infinite
-            where the pressure of that wind is beyond what can be computed.
+            The flight is of the plan's own wind, in the frozen dynamic pressure at the peak of the
+            larger one, and its limit scales with the wind. `plane_ratio` [-] is the limit of both
+            planes over the plane's. Infinite where the pressure is beyond what can be computed.
             """
             with suppress(InputError):
                 denser = at_peak_pressure(self.plan, s, size)

@@ -292,10 +292,10 @@ def measured(key: str, measure: Measure) -> tuple[Line, ...]:
 
 
 def _shown(key: str, name: str, measure: Measure) -> Line:
-    """Return a number of a measure as a line, in its unit.
+    """Return the required, available or remaining value of a question as a line, in its unit.
 
-    `key`: unique name of the number on the page, without its unit. `name`: "required", "available"
-    or "remaining".
+    `key`: unique name of the number on the page, without its unit. `name`: which field of
+    `measure`. An infinite required angle is shown as a text.
     """
     value, unit = getattr(measure, name), measure.unit
     suffix = _SUFFIXES.get(unit, unit.replace("/", "_per_").replace(" ", "_"))

@@ -293,10 +293,11 @@ class Turbulence(Record):
         return A * rate, b * np.sqrt(rate), c * size
 
     def _filter(self, length: FloatArray) -> FilterMatrices:
-        """Return the filter over the distance flown, with the cutoff, for lengths [m] ``(...)``.
+        """Return A, b, c of the filter with the cutoff, over distance flown in scale lengths L.
 
-        With the wind w of `normalised_filter` and k = 2 pi L over the cutoff wavelength the states
-        of the high-pass are v1' = k v2, v2' = k (w - v1 - sqrt(2) v2); w - v1 - sqrt(2) v2 remains.
+        `length`: L [m], ``(...)``. With the wind w of `normalised_filter` and k = 2 pi L over the
+        cutoff wavelength a high-pass of second order follows, v1' = k v2, v2' = k (w - v1 -
+        sqrt(2) v2); its output is w - v1 - sqrt(2) v2.
         """
         A, b, c = self.normalised_filter
         if self.cutoff_wavelength is None:

@@ -232,7 +232,8 @@ class LoadWeights:
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))  # h at both ends of each cell
         crosses = edge[:, 0] * edge[:, 1] < 0.0
         root = np.where(crosses, edge[:, 0] / np.where(crosses, edge[:, 0] - edge[:, 1], 1.0), 1.0)
-        # integrals of h before and after its change of sign; first moments of h [s]
+        # in each cell: integral of h before and after its change of sign at the fraction `root`,
+        # and of h times the time since the begin of the cell [s]
         areas, first = np.zeros((2, n)), np.zeros(n)
         for k, (low, high) in enumerate(((np.zeros(n), root), (root, np.ones(n)))):
             x = low[:, np.newaxis] + (high - low)[:, np.newaxis] * _FRACTIONS
@@ -242,7 +243,7 @@ class LoadWeights:
         area, size, used = areas.sum(axis=0), np.abs(areas).sum(axis=0), 0.0
         if rate_prices is not None:
             used = self._apply_ramps(area, first, size, rate_prices != 0.0)
-        # integrals of h after the last node
+        # integral of h after the last node, by unstable mode
         later = (self._before[-1] * -self.case.step_states)[self.case.unstable]
         norm = float(size.sum() + np.abs(later).sum())
         return float(area @ reference) + float(later.real.sum() * reference[-1]) + used, norm

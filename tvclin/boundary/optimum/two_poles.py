@@ -126,7 +126,8 @@ def longest_single_pole_duration(
     """
     b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)
     shape = np.broadcast_shapes(b1.shape, b2.shape, K.shape)
-    reached = (b1 < K * b2) & (K * b1 < b2)
+    reached = (b1 < K * b2) & (K * b1 < b2)  # y is 1 at some duration
+    # y is larger than without the fast pole's exponential, eq (C9): its root comes no later
     latest = np.where(reached, duration_without_fast_pole(b1, b2, np.where(reached, K, 1.0)), 1.0)
     b1, b2, K, latest = (np.broadcast_to(a, shape).ravel() for a in (b1, b2, K, latest))
 

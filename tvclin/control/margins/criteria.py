@@ -121,7 +121,7 @@ class Judgement(Record):
     def shortfall(self) -> Line:
         """Text on a margin of one loop that misses its limit: name and surplus, as "phase -3 deg".
 
-        The name is the mode's, if it is a margin of one.
+        `band`, the name of a mode, takes the place of the margin's name for the margin of a mode.
         """
         _, unit = self.criterion.shown
         label = self.band

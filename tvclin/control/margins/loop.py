@@ -163,7 +163,7 @@ class Loop:
         shape = broadcast(**shapes, delay=T.shape)
         a, b, c = (_flat(array, shape, 2) for array in arrays)
         form = StateLoop.balanced(a, b[..., 0], c[:, 0], np.zeros(len(a)), _flat(T, shape, 0))
-        loop = cls.__new__(cls)
+        loop = cls.__new__(cls)  # not by __init__, which takes polynomials
         loop._set(form, shape)
         return loop
 

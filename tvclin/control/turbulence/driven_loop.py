@@ -147,7 +147,10 @@ class LoadSlopes(Record):
     bandwidth: float | None = field(default=None, metadata=spec("natural frequency"))
 
     def __post_init__(self) -> None:
-        """Check that slopes are finite and broadcast, and the bandwidth."""
+        """Check the bandwidth, and that dynamic pressure and slopes are finite and broadcast.
+
+        These may be arrays along a flight, and are set to numbers or arrays.
+        """
         shapes = {}
         for name in _SLOPES:
             if getattr(self, name) is not None:

@@ -238,7 +238,8 @@ class Availability(Tabled):
         """
         errors.instance("profile", profile, WindProfile, "see read_sounding")
         sounding = Soundings.from_profiles([profile], ["2000-01-01"])  # its time does not count
-        limits = self.limit - self.persistence  # [rad] that remain for the wind of the balloon
+        # persistence: angle [rad] kept for the change of the wind after the balloon, by azimuth
+        limits = self.limit - self.persistence
         required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
         first, last = required.judged[0].tolist()
         verdicts = []
@@ -246,6 +247,7 @@ class Availability(Tabled):
             bounds = (required.lower[a, 0], required.upper[a, 0])
             lower, upper = (float(bound + self.persistence[a]) for bound in bounds)
             judged = archive[~np.isnan(archive)]
+            # fraction of archived soundings that require less; equal ones do not count
             below = float(np.mean(judged < upper * _LOWER_RATIO)) if judged.size else float("nan")
             verdicts.append(
                 Today(

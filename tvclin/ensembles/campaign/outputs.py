@@ -431,17 +431,17 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     """Return required deflections [rad] at the encountered dynamic pressure, ``(n,)`` by column.
 
     `batch`: n cases of the campaign. `dead_band`: K in [0, 1]. Where both planes are judged there
-    are three columns: for the limit shape, pitch and yaw.
+    are three columns: for the limit shape, pitch and yaw. Requirements that are zero or infinite at
+    nominal dynamic pressure are so at the encountered one too.
     """
     name, vehicles = required_name(dead_band), batch.vehicle.rigid
-    # function from a plane to the requirements there; None where the nominal pressure counts
+    # function from a plane to the requirements there, or to None in a campaign at nominal pressure
     at_encountered = partial(encountered_batch, campaign, batch.values, vehicles, dead_band)
     if not batch.plane_batches:
         plant, wind, shape = batch.plant, batch.wind, (batch.count,)
         required = at_encountered(campaign.plane)
         if required is None:
             return {name: np.abs(required_deflection(plant, wind, dead_band).deflection)}
-        # zero and infinite requirements stand as they are at nominal dynamic pressure
         special = np.broadcast_to(may_be_zero_or_infinite(plant, wind, dead_band), shape)
         if np.any(special):
             cases = np.flatnonzero(special)
@@ -464,6 +464,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     of_vector = nominal.deflection * np.max(ratios, axis=0)
     vector = nominal.deflection > rectangle(limit_shape, **nominal.separate) * (1.0 + ROUNDING)
     combined = np.where(vector, np.maximum(combined, of_vector), combined)
+    # a plane without wind has its requirement at nominal pressure
     separate = {plane: separate.get(plane, nominal.separate[plane]) for plane in PLANES}
     return {name: combined} | {
         column: separate[plane] for plane, column in plane_columns(name).items()

@@ -345,14 +345,17 @@ def _rate_end(loop: Loop, regime: Regime, sign: float) -> End:
 def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the deflection leaves its limit, or if free, reaches it.
 
-    The deflection is the state after the `order` states of the vehicle. `loop`: gives the limit
-    [rad]. `regime`: active limits. `sign`: sign of the deflection.
+    `loop`: gives the limit [rad], and the deflection as the state after the `order` states of the
+    vehicle. `regime`: active limits; `stop` is not zero where the deflection is at its limit.
+    `sign`: sign of the deflection.
     """
     limit, order = loop.limit, loop.order
     if regime.stop:
-        return End(lambda t, x: limit - sign * x[order], limit, regime._replace(stop=0.0))
-    beyond = limit * (1.0 + _STOP_MARGIN)
-    return End(lambda t, x: sign * x[order] - beyond, limit, regime._replace(stop=sign))
+        free = regime._replace(stop=0.0)
+        return End(past=lambda t, x: limit - sign * x[order], size=limit, then=free)
+    # a little beyond, as a deflection may come to rest at the limit without being stopped
+    beyond, stopped = limit * (1.0 + _STOP_MARGIN), regime._replace(stop=sign)
+    return End(past=lambda t, x: sign * x[order] - beyond, size=limit, then=stopped)
 
 
 def _signs(active: float) -> tuple[float, ...]:

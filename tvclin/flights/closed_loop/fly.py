@@ -263,6 +263,7 @@ class LinearEquations:
         The times are not used: the matrices are constant. `x`: states, ``(n, ...)``.
         """
         del t
+        # outputs of the lateral sensors follow the plant's
         rows = self._system.C[len(self.plant.outputs) :] @ x
         return self.sensors.measurements(rows)
 
@@ -355,6 +356,7 @@ def fly_nozzle(
     if status in (LOST, NO_FLIGHT):
         return NozzleFlight(status, none, none, none, none, rate=None, acceleration=None)
     first = onset + delay % h  # commands arrive in this phase of a sample
+    # time after the wind [s]; `longest` keeps the number of times within bounds
     after = min(_TIME_AFTER_WIND_TIMES_POLE / float(plant.coefficients.pole), longest)
     count = int(np.ceil((end - first + after) / h))
     times = np.asarray(first + h / per_sample * np.arange(count * per_sample + 1), dtype=np.float64)

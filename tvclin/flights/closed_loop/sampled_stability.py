@@ -151,7 +151,7 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     for index in range(f.steps.joint.shape[1] - 1, -1, -1):
         age = (f.steps.late[vehicles] + index)[:, np.newaxis, np.newaxis]
         now = np.take_along_axis(commands, age, axis=1)
-        J = f.steps.joint[vehicles, index]
+        J = f.steps.joint[vehicles, index]  # columns: states of vehicle and nozzle, the command
         stepped = J[..., :order] @ stepped + J[..., order : order + 1] @ now
     states = per_case(f.laws.memory) @ signals
     return np.concatenate([stepped, states, commands[:, : command_count - 1]], axis=1)
@@ -248,7 +248,8 @@ def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, fl
     factors = 1.0 / values[is_real].real
     fall = factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)
     rise = factors[factors > 1.0].min(initial=np.inf)
-    return float(1.0 / fall) if fall > _ZERO_ANGLE else np.inf, float(rise)
+    reduction = 1.0 / fall if fall > _ZERO_ANGLE else np.inf  # an integrator's factor is about zero
+    return float(reduction), float(rise)
 
 
 def linear_delay_margin(batch: Batch, pole: float) -> float:
@@ -266,7 +267,11 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
     angles = _angles(batch, pole, 0.0)
 
     def samples(fraction: float) -> float:
-        """Return the samples n, as a real number, on top of a fraction of a sample."""
+        """Return the smallest delay in samples n, a real number, beyond a `fraction` of a sample.
+
+        The least n is the present delay without the fraction; each further sample turns the phase
+        of l by theta.
+        """
         loop = _response(batch.delayed(fraction * h), "gain", 0.0)
         theta = np.array(_roots(lambda a: np.log(np.abs(loop(a))), angles))
         minimum = present - fraction

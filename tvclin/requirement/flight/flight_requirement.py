@@ -156,8 +156,8 @@ class FlightMode:
 
         mu_alpha [1/s^2] is the angular acceleration per angle of attack.
         """
-        times = self._rows[self._rows <= self.last_unstable]
-        mu_alpha = self._equations(times)[:, 1, 0]
+        times = self._rows[self._rows <= self.last_unstable]  # of the rows of the schedule
+        mu_alpha = self._equations(times)[:, 1, 0]  # row of the attitude rate, column of attitude
         return np.sqrt(np.abs(mu_alpha).max(keepdims=True))
 
     @property
@@ -360,8 +360,9 @@ class FlightMode:
 def _before(costates: FloatArray, matrices: FloatArray) -> FloatArray:
     """Return costates of length one and control reaches at the begin of steps, ``(..., m + 2)``.
 
-    `costates`: those at the ends of the steps. `matrices`: of the steps, ``(..., m + 1, m + 1)``;
-    see `FlightMode._step_matrices`.
+    The last axis holds the costate p ``(m,)``, the control reach R and the absolute reach, the
+    integrals of p.b and ``|p.b|`` from then on; all are divided by the length of p. `costates`: at
+    the ends of the steps. `matrices`: ``(..., m + 1, m + 1)``, see `FlightMode._step_matrices`.
     """
     before = np.einsum("...i,...ij->...j", costates[..., :-1], matrices)  # p and R
     of_step = np.abs(before[..., -1] - costates[..., -2])

@@ -93,9 +93,10 @@ class LargestInTurbulence(Shown):
 
     @cached_property
     def travel(self) -> Travel | None:
-        """Travel of the whole flight, with a pulse where it moves the nozzle most.
+        """Travel of the nozzle over the whole flight [rad]: expected, its deviation, in the wind.
 
-        None where the deflection rate has no variance.
+        A pulse is placed where it moves the nozzle most. None where the deflection rate has no
+        variance.
         """
         flown = self._whole()  # mean and standard deviation over the whole flight
         if DEFLECTION_RATE not in flown.outputs:

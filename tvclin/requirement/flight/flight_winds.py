@@ -365,9 +365,10 @@ def _largest(
 
 
 def _in_plane(wind: Any, plane: str, vehicle: Vehicle) -> History | None:
-    """Return the wind in one plane in flight time, without its gust; None where it is calm.
+    """Return the wind angles [rad] in one plane in flight time, without gust; None where calm.
 
-    `vehicle`: vehicle of a wind that depends on it.
+    `wind`: a sounding in one plane or in both, or a `History`, a `PlaneWind` or a function that
+    gives one for a vehicle. `vehicle`: vehicle of such a function.
     """
     if isinstance(wind, MeasuredPlanes):
         measured = wind.parts.get(plane)

@@ -151,7 +151,7 @@ class FlightWinds:
             checked_linear(placed.max_angle)
             attitude = float(np.asarray(vehicle.attitude))
             if case.planes != BOTH:
-                return placed.in_plane(case.plane, attitude).history({})
+                return placed.in_plane(case.plane, attitude).history({})  # nothing is dispersed
             peaks = placed.peaks(attitude)
             return PlaneWind(**{plane: component_in(placed, peaks, plane) for plane in PLANES})
 

@@ -434,8 +434,9 @@ def _messages(times: FloatArray, requirements: list[list[FrozenRequirement]]) ->
 def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenRequirement]:
     """Yield the requirements at frozen parameters, of all winds at the first flight time first.
 
-    `inputs`: schedule, flight times, dead bands, model and plane. `placed`: winds by flight time.
-    The requirements are zero in a calm, and NaN if the wind is not known.
+    `inputs`: schedule, flight times, dead bands, model and plane. `placed`: for each flight time a
+    row of its winds, all of one length. The requirements are zero in a calm, and NaN if the wind is
+    not known.
     """
     bands, winds = inputs.dead_bands, [wind for row in placed for wind in row]
     not_calm = np.flatnonzero([not wind.calm for wind in winds])
