@@ -412,7 +412,10 @@ def _speeds(
     )
 
     def by_plane(wind: WindProfile | None) -> dict[str, FloatArray]:
-        """Return the speeds of a wind along the flight and across it, over the vehicle's speed."""
+        """Return the speeds of a wind over the vehicle's, "pitch" along its flight, "yaw" across.
+
+        They are at the n times, at the `height` of the flight then; zero without a wind.
+        """
         if wind is None:
             return dict.fromkeys(PLANES, np.zeros(time.shape))
         along, across = wind.in_plane(azimuth), wind.cross_plane(azimuth)

@@ -160,9 +160,9 @@ class LoadTradeOff(TradeOff):
     def above_lower_bound(self) -> bool | None:
         """Whether the limit is on the trade-off with the wind known, or above.
 
-        None where the trade-off is not proved to be above the limit, and without a limit unless no
-        limit is sufficient. A limit below the bound is never sufficient; one above it may be too
-        small for a control.
+        The trade-off lies between a proved bound and `lower_bound`, the limit of a computed
+        control: None for a limit between both, and without a limit unless no limit is sufficient.
+        A limit below the trade-off is never sufficient; a higher one may be too small for a law.
         """
         if self.beyond_linear:
             return None

@@ -131,11 +131,11 @@ class PlanePair:
         """Return the constant deflection [rad] required after `t` [s] of trim, pitch + j yaw.
 
         By the residue condition (4b) of the report it is the mean of the remaining trim with the
-        weight p e^(-p (r - t)), p being the fast pole of each plane.
+        weight p e^(-p (r - t)) at times r, p being the fast pole of each plane.
         """
-        (p, *_), (r, *_) = self.poles
+        (p_pitch, *_), (p_yaw, *_) = self.poles
         (pitch, yaw), _ = self._remaining_integrals  # of trim
-        return np.asarray(p * pitch(t) + 1j * r * yaw(t))
+        return np.asarray(p_pitch * pitch(t) + 1j * p_yaw * yaw(t))
 
     def wind_demand(self, t: FloatArray) -> Vectors:
         """Return the wind demand [rad] after `t` [s] of the fastest modes, pitch + j yaw.
@@ -518,9 +518,9 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
     limit_shape, cells = moments.limit_shape, moments.cells
-    # Functions that are orthonormal over the cells, each normalised by the largest deflection in
-    # its plane; N(l) is at least the smaller one, 1/g, times |l| of its functions, and so bounds
-    # them.
+    # The k conditions in another basis (`rows`), orthonormal over the cells and divided by the
+    # largest deflection of S in the plane: l then has numbers of one size, and N(l) bounds each of
+    # them by `ends`.
     even, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
     reach = limit_shape.support(moments.axes)
     rows = (even[: cells.shape[1]] + 1j * even[cells.shape[1] :]).T / reach[:, np.newaxis]

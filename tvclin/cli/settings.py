@@ -240,9 +240,10 @@ def field_key(option: str) -> str | None:
 
 
 def _field_keys() -> dict[str, tuple[str, ...]]:
-    """Return the keys without units of the options of declared fields, by option.
+    """Return the keys that each option of a declared field excludes, without units, by option.
 
-    An option of a gain also excludes the keys of the rules for gains, and the reverse.
+    The first is the field's own key, as "nozzle.limit" of --limit-deg. An option of a gain also
+    excludes the keys of the rules for gains, and the reverse.
     """
     from tvclin.cli.options import Options
     from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS
@@ -251,6 +252,7 @@ def _field_keys() -> dict[str, tuple[str, ...]]:
     for kind, heading in _HEADINGS.items():
         for parameter, item in Options(kind).fields.items():
             flag = item.option or f"--{parameter.strip('_').replace('_', '-')}"
+            # the table with the key, which for some fields is not the record's own
             home = "campaign" if item.name in _CAMPAIGN else heading
             home = "question" if item.name in _QUESTION else home
             keys[flag] = (*keys.get(flag, ()), f"{home}.{item.called}")

@@ -197,8 +197,9 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
 def _delay_frequencies(loop: AnyLoop) -> tuple[FloatArray, FloatArray]:
     """Return frequencies ``(k, m)`` [rad/s] in even steps of an eighth of a turn of the delay.
 
-    The second result is their end ``(k,)`` [rad/s], above which |L| is negligible. For a loop
-    without delay it is infinite, and the frequencies are NaN. `loop`: a batch of k loops.
+    The second result is their end ``(k,)`` [rad/s], beyond all poles and crossings of a small gain,
+    so that |L| is negligible above. For a loop without delay it is infinite, and the frequencies
+    are NaN. `loop`: a batch of k loops.
     """
     delayed = loop.delay > 0.0
     step = _PHASE_STEP / np.where(delayed, loop.delay, 1.0)  # [rad/s]

@@ -269,6 +269,7 @@ def _of_ensemble(winds: History, vehicle: Vehicle, plane: str) -> EncounteredWin
 
     `winds`: wind angles [rad], with their signs. `vehicle`: vehicle, or batch of the winds.
     """
+    # fractions of the angle in pitch and yaw are those of the speed along and across the path
     along, across = (1.0, 0.0) if plane == "pitch" else (0.0, 1.0)
     return EncounteredWind(
         plane=plane,

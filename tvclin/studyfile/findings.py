@@ -378,7 +378,7 @@ def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
     from tvclin.case.flexible_autopilot import flexible_answer
 
     (plant, autopilot), criteria = loop(), plan.held_to
-    # of this plane, along a straight wind
+    # share of this plane in a limit of both
     limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.plane_ratio
     return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
 

@@ -289,11 +289,11 @@ def _rows_of(tables: dict[str, Any], name: str) -> list[dict[str, Any]]:
 def _row(
     rows: list[dict[str, Any]], name: str, rest: list[str], value: Any
 ) -> dict[str, Any] | None:
-    """Return a row by its number or name, which is removed from `rest`; None if it is removed.
+    """Return the row of a table to which a key belongs; None where the key removed the row.
 
-    `rows`: rows of the table `name`. `rest`: parts of the key after that name. `value`: value to be
-    set; None removes the row, where no key is left. Without a number the only row. The number after
-    the last begins a row.
+    The key name.1.key is of the first row, name.key of the only one; the number after the last adds
+    a row. `rows`: rows of the table `name`. `rest`: parts of the key after that name; number or
+    name are taken from it. `value`: value to be set; None removes the row where no key is left.
     """
     k = _index(rows, name, rest)
     if k is None:

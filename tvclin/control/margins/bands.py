@@ -370,12 +370,13 @@ def band_margins(
 
 
 def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
-    """Return the fields of `RigidBand` of k loops by name, each ``(k,)``.
+    """Return the fields of `RigidBand` of k loops by name, each ``(k,)``; NaN for unstable loops.
 
-    `terms`: partial fractions of the loops. `analysis`: their crossings.
+    They are margins at crossings at which no mode has the largest term of L. `terms`: partial
+    fractions of the loops. `analysis`: their crossings.
     """
-    # Aero margin, gain increase and phase margin, each with its frequency, as in `RigidBand`; not
-    # the delay margin. -1 is the rigid body.
+    # aero margin, gain increase and phase margin, each with its frequency, in the order of
+    # `RigidBand`, without the delay margin; -1: index of the rigid body
     pairs = classical_margins(_owned(terms, analysis, -1))[:3]
     pairs[..., ~analysis.stable] = np.nan
     names = (field.name for field in fields(RigidBand))

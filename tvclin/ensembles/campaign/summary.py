@@ -146,7 +146,11 @@ class CampaignSummary(Shown):
 
     @property
     def pressure(self) -> str:
-        """The dynamic pressure of the output, in words."""
+        """The dynamic pressure at which the output is computed, in words.
+
+        A requirement is at the encountered one, and so is each output along a flight; a wind across
+        the path alone, at a single time, is at the nominal one.
+        """
         plan = self.results.campaign
         encountered = self.output.startswith(REQUIRED) or plan.along is not None
         both_planes = plan.planes == BOTH

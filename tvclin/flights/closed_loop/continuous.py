@@ -465,7 +465,7 @@ class ContinuousFlight:
                 arcs.append(Arc(now, result.sol, regime.mode))
                 before = regime
                 between = first_missed_end(result, ends)
-                if between is not None:
+                if between is not None:  # an end within a solver step, at which the arc ends
                     now, regime = between
                     state = result.sol(now)
                 else:
@@ -478,7 +478,7 @@ class ContinuousFlight:
                             for end, times in zip(ends, result.t_events, strict=False)
                             if times.size
                         )
-                if regime.mode != before.mode:
+                if regime.mode != before.mode:  # the command jumps
                     regime = regime_after_jump(loop, now, state, regime)
                 if regime.rate and loop.servo > 1:  # the state s' is exactly at its limit
                     state = state.copy()
@@ -594,7 +594,7 @@ def _flight_end(max_attitude: float) -> Any:
 
     `max_attitude`: largest attitude [rad].
     """
-    beyond = 1.0 + _END_MARGIN
+    beyond = 1.0 + _END_MARGIN  # the flight goes a little beyond its limits
 
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:
         """Return the smaller distance of states and attitude to their limits; negative beyond.

@@ -270,6 +270,7 @@ def sampled_outputs(
                 flown.append(None)
                 continue
             flown.append(with_outputs(along, *tracked_states(f, limit), status, slopes or {}))
+        # undecided flights again, with later ends, each in its place
         continued = sampled_outputs(further, limit, rate_limit, slopes)
         yield from (next(continued) if made is None else made for made in flown)
 

@@ -281,11 +281,11 @@ class _Substeps(NamedTuple):
     unlimited: FloatArray
 
     def stepped(self, steps: AnyArray, states: AnyArray) -> AnyArray:
-        """Return the products of step matrices and states, as columns ``(n, m)``.
+        """Return the products of step matrices and states at m times, as columns ``(n, m)``.
 
-        Times on a grid have few distinct values, and matrices are multiplied by all of their states
-        at once; otherwise one by one, in blocks of limited memory. `steps`: matrices of the
-        distinct times. `states`: ``(m, n)``.
+        `steps`: matrices ``(d, n, n)`` over the d `distinct` times since a substep's start; `which`
+        says which of them each time has. `states`: ``(m, n)``. With few distinct times a matrix is
+        multiplied by all of its states at once; otherwise one by one, in blocks of limited memory.
         """
         columns = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
         if self.distinct.size > _MAX_LOOPED_TIMES:

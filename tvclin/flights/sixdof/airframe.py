@@ -276,7 +276,8 @@ class Prediction:
         force, acceleration = 0.0, self._acceleration - nominal[6]
         if self._lateral is not None:
             speed, force = self._readers.lateral()
-            self._lateral.move(off[2], speed, force := force - nominal[5], acceleration)
+            force -= nominal[5]
+            self._lateral.move(off[2], speed, force, acceleration)
         return (*off, self._alpha - nominal[3], deflection, force, acceleration)
 
 

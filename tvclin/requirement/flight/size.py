@@ -334,6 +334,7 @@ def size(
     wind_notes = [
         f"{k}: {note}" for k, wind in named.items() for note in getattr(wind, "notes", ())
     ]
+    # a wind is unknown in both planes for one reason
     reasons = [[wind[planes[0]].why for wind in row] for row in placed]
     rows = zip(chosen.tolist(), placed, strict=True)
     angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])

@@ -334,7 +334,11 @@ class Panel:
         self._complete(choices, 0)
 
     def _show_gains(self, choices: Choices) -> None:
-        """Set the sliders of gains to the gains that the rule of choices gives."""
+        """Set the sliders of gains to the gains that the rule of choices gives.
+
+        `_setting_gains` tells the event of a slider that the panel moved it. Nothing is set for
+        gains that are given, and for a rule without a solution.
+        """
         design = choices.plan.design
         if design is None or design.attitude_gain is not None:
             return
