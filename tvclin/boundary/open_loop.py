@@ -190,7 +190,8 @@ def open_loop_requirements(
     plant, wind, dead_band
         Same parameters as `boundary_limit`.
     boundary : BoundaryLimit
-        The boundary limit of these with the literal switch, as in a flight.
+        The boundary limit of these with the "literal" switch: as in a flight, the dead band ends
+        where trim, not the wind, exceeds K times the limit.
     sufficient : ndarray, optional
         Peaks [rad] in place of the minimum where they are proved to be no less, see
         `minimum_peaks`.

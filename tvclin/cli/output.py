@@ -172,6 +172,7 @@ def _widen(wider: dict[int, int], wanted: Sequence[int], spare: int, prose: Sequ
     """
     labels_first = sorted(wider, key=lambda k: (k > 0 or prose[k], wanted[k]))
     for n, k in enumerate(labels_first):
+        # the labels share with no column, others with all columns that follow in this order
         shared = 1 if not k and not prose[k] else len(wider) - n
         more = max(min(wanted[k] - wider[k], max(spare, 0) // shared), 0)
         wider[k] += more

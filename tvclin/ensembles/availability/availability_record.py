@@ -133,7 +133,11 @@ class Availability(Tabled):
 
     @property
     def why(self) -> tuple[str, ...]:
-        """Reason why a sounding is not judged, ``(n,)``; empty for a judged one."""
+        """Reason why a sounding is not judged, ``(n,)``; empty for a judged one.
+
+        It is the sounding's own (`reasons`), or where the limit lies between both bounds of the
+        requirement, that its wind is not known, or that its flight was not flown.
+        """
         undecided: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
         wind_known = np.all(np.atleast_2d(self.wind_known), axis=0).tolist()
         unknown_wind = "its wind is not known far enough"

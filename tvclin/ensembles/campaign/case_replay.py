@@ -163,7 +163,8 @@ class Replay:
     def extremes(self) -> dict[str, float]:
         """Largest angles in `response` [deg], and its end [s], by name; empty without a response.
 
-        The response is that with `capability`. With two planes the names begin with the plane.
+        The limit of the response is `capability` times the requirement of the case. With two planes
+        the names begin with the plane.
         """
         return self._extremes(
             lambda plane: self.response(self.capability, plane=plane),

@@ -127,10 +127,10 @@ def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], co
     """Return the batch in the plane of a campaign, with `plane_batches` if both are judged.
 
     `vehicle`: dispersed vehicles, a batch ``(n,)`` or one. `values`: dispersed values [SI],
-    ``(n,)`` each. `count`: number n of the cases.
+    ``(n,)`` each. `count`: number n of the cases. A wind with a heading has a part in each plane.
     """
     wind = campaign.wind.history(values)
-    angle = np.abs(np.asarray(wind.peak))
+    angle = np.abs(np.asarray(wind.peak))  # of the whole wind, in whatever plane
     if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
         return _plane_batch(campaign, vehicle, values, wind, angle, count)
     winds = campaign.wind.in_planes(values, vehicle.attitude)

@@ -172,6 +172,7 @@ class FlownMargins(Shown):
         for name in CHANGES:
             m: FlownMargin = getattr(self, name)  # the field has the name of the change
             label = name.replace("_", " ")
+            # `scan`: the changes that were flown, rising
             if m.cause == NOTHING:
                 notes.append(f"{label} inf: none up to {m.scan[-1]:.4g} is lost or rings")
             elif m.cause == UNDECIDED:

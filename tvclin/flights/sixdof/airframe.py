@@ -172,8 +172,9 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
 def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float], None]:
     """Return the function that sets a wind [m/s] along the flight (pitch) or to its right (yaw).
 
-    A component of the wind that is zero by rounding is never written. `engine`: JSBSim with the
-    vehicle. `plane`: "pitch" or "yaw". `heading`: direction of flight [rad], from north over east.
+    A component of the wind that is zero but for rounding is not written, and stays exactly zero.
+    `engine`: JSBSim with the vehicle. `plane`: "pitch" or "yaw". `heading`: direction of flight
+    [rad], from north over east.
     """
     north, east = cos(heading), sin(heading)
     if plane == "yaw":
@@ -359,7 +360,8 @@ class Airframe:
     ) -> FloatArray:
         """Return the `OUTPUTS` of a flight in both planes [rad, rad/s], ``(m, 2, 5)``.
 
-        Parameters are frozen, over a flat planet. The flight ends after the first attitude beyond
+        They are deviations from the nominal flight, which is straight: parameters are frozen, over
+        a flat planet. The flight ends after the first attitude beyond
         25 deg or number that is not finite. `steering`: function from the predicted measurements in
         pitch and yaw to both deflections [rad]. `speeds`, `angles`: wind along the flight and to
         its right [m/s], and as angles [rad], ``(2, n)``; the first are zero. `sensors`: lateral

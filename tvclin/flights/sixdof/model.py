@@ -188,7 +188,7 @@ def _burning(root: Element, balance: Element, departure: InitialState) -> None:
     _text(burnt, "weight", 0.0, unit="LBS")
     _place(burnt, 0.0)
     channel = SubElement(SubElement(root, "system", name="burning"), "channel", name="burning")
-    flow = -departure.mass_flow / SLUG * _POUNDS_PER_SLUG
+    flow = -departure.mass_flow / SLUG * _POUNDS_PER_SLUG  # from kg/s to lb/s; a mass below zero
     function = SubElement(channel, "fcs_function", name="tvclin/burnt-lbs")
     _function(function, ("product", flow, "simulation/sim-time-sec"))
     _text(function, "output", "inertia/pointmass-weight-lbs")
