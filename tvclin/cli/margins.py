@@ -328,7 +328,7 @@ def margins(
 class _Answer:
     """Margins of a loop, of its detuned modes, and of its flights in a wind with a limit.
 
-    `in_wind` is the error where the flight is lost before anything changes.
+    `in_wind` is the error where the flight is lost without any change of gain or delay.
     """
 
     case: StudyPlan
@@ -361,7 +361,10 @@ class _Answer:
 
     @property
     def _lost(self) -> tuple[str, ...]:
-        """The verdict on a flight that is lost before anything changes; else empty."""
+        """The verdict on a flight that is lost without any change of gain or delay; else empty.
+
+        Then `in_wind` is the error of the flown margins, which a lost flight does not have.
+        """
         if not isinstance(self.in_wind, LostFlightError):
             return ()
         return (

@@ -146,7 +146,7 @@ def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
     from tvclin.studyfile.settings import quantity_name
 
     keys = _WIND_KEYS | _OTHER_KEYS | _field_keys()
-    if all(option.opts[0] != "--every" for option in options):  # a flight meets pulses too
+    if all(option.opts[0] != "--every" for option in options):  # a flight has pulses too
         keys["--winds"] = ("wind",)
     flags = [option.opts[0] for option in options if is_set(option, values)]
     for key, _ in pairs(settings):
@@ -352,7 +352,8 @@ def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set
 def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
     """Return the options that may give each argument, the option of the same name first.
 
-    Arguments have the names of options without units; `_ARGUMENTS` has those of other names.
+    An argument has the name of its option without the unit, or a name in `_ARGUMENTS`. `options`:
+    options of a command, which are returned as they are written, "--peak-deg".
     """
     by_name: dict[str, list[str]] = {}
     others: dict[str, list[str]] = {}

@@ -239,7 +239,7 @@ class GainProblem:
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
         for verdict in replace(self.criteria, limits=self._mode_limits).judge(bands):
-            # A limit of zero would divide by it.
+            # the surplus relative to the limit, which may be zero
             surplus = np.asarray(verdict.surplus) / max(verdict.criterion.limit, 1e-9)
             worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
         return worst

@@ -322,6 +322,7 @@ class PlanarCase:
         knots = np.concatenate([self.wind.knots, control.knots])
         inside = knots[(knots > start) & (knots < stop)]
         state, arcs = np.zeros(len(self.motion.states)), []
+        # a span of zero length is flown for 1 ns, to have an arc
         for first, last in pairwise(np.unique([start, *inside, max(stop, start + 1e-9)])):
             inputs = smooth_piece(control, float(first)), smooth_piece(self.wind, float(first))
             result = solve_ivp(
@@ -336,7 +337,7 @@ class PlanarCase:
                 args=(limit, *inputs),
             )
             arcs.append(Arc(float(first), result.sol, 0.0))
-            state = result.y[:, -1]
+            state = result.y[:, -1]  # at the end of the arc
             if result.status:  # the attitude has left the range of the model
                 break
         starts = np.array([arc.start for arc in arcs])

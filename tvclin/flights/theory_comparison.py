@@ -158,7 +158,7 @@ class FlightComparison:
     def largest(self) -> dict[str, tuple[float, float]]:
         """Peaks of the flight and of the linear flight [rad, rad/s], by the label of their row.
 
-        The label says degrees: `table` shows them so.
+        The labels name degrees, into which `table` converts the peaks.
         """
         return {
             f"largest {name.replace('_', ' ')} over the wind [deg]": self.peaks(name)

@@ -276,9 +276,9 @@ def survivable_peak(
     """Return the largest peak [rad] of a wind of this shape that a limit survives in linear theory.
 
     It is at nominal dynamic pressure; a `Study` has the verdict on a vehicle.
-    The inverse of `required_deflection`: ``|limit|/(y |B|)``, with the sign of the wind, and at
-    most 30 deg: above that linear aerodynamics says nothing, and a limit that survives a peak of 30
-    deg may survive more, or not.
+    The inverse of `required_deflection`: ``|limit|/(y |B|)``, y being the required limit over the
+    trim ``|B alpha_w,max|``. It has the sign of the wind, and is at most 30 deg: above that linear
+    aerodynamics says nothing, and a limit that survives a peak of 30 deg may survive more, or not.
 
     Parameters
     ----------
@@ -425,7 +425,7 @@ class KnownWind(Shown):
 
         `wind`: the wind in words.
         """
-        start, onset = self.start + 0.0, float(self.wind.onset)
+        start, onset = self.start + 0.0, float(self.wind.onset)  # + 0.0: -0.0 is shown as 0
         times = [f"begins at {start:g} s"] if start != onset and np.isfinite(onset) else []
         times += [] if self.horizon is None else [f"ends at {self.horizon:g} s"]
         control = f"no control{' that ' if times else ''}{' and '.join(times)}"

@@ -301,7 +301,8 @@ def varying_requirement(
     peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
-    # where a limit that is held may drive the vehicle to either side, trim must never exceed K
+    # a constant limit may drive the vehicle in either direction where unstable modes are a pair, or
+    # the moment or the effect of the deflection changes its sign: then trim must never exceed K
     # times the limit
     without_exit = np.any(paired, axis=(1, 2)) | equations.reverses
     with np.errstate(divide="ignore", invalid="ignore"):

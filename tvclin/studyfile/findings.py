@@ -146,7 +146,7 @@ class Findings:
 
     @property
     def autopilot_survives(self) -> float:
-        """Largest factor on the wind that the autopilot survives, flown with the limit as its stop.
+        """Largest factor on the wind that the autopilot survives, flown with the deflection limit.
 
         At nominal dynamic pressure a flight scales with its wind, so that the factor is the limit
         over the requirement [rad]; a larger head wind raises the pressure too, and the factor is

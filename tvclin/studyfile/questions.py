@@ -489,6 +489,8 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
         at_nominal = nominal.load or 0.0, nominal.load_bound or np.nan
         judged.append((_TURBULENCE_LOAD, at_nominal, (t.load, t.load_bound), "deg"))
     for name, (nominal_required, nominal_available), (required, available), unit in judged:
+        # at nominal pressure, and also at the pressure of the head wind, an upper bound: True,
+        # False, or None for not known
         covered = bool(covers(nominal_available, nominal_required))
         yes, words = _also(covered, bool(covers(available, required))), sigmas
         if findings.head is not None and yes is None:

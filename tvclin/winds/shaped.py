@@ -227,7 +227,8 @@ class ShapedWind:
     def gust_history(self, values: Mapping[str, Any]) -> History | None:
         """Return the gust of cases in the time of the wind, as angles [rad]; None without a gust.
 
-        `values`: dispersed values by name, of which "wind_duration" [s], ``(n,)``, shifts the gust.
+        `values`: dispersed values by name. A change of "wind_duration" [s], ``(n,)``, shifts the
+        gust by its half: the distance to the middle of the wind is kept.
         `InputError` for values that are not by name, and durations that are no numbers.
         """
         instance("values", values, Mapping, "of dispersed values by name")

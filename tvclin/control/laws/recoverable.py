@@ -122,12 +122,12 @@ class RecoverableAttitudeLaw(Law):
         The coordinates [rad] of the fast and, with drift, of the slow unstable mode are sums of
         attitude, its rate and flight path angle, with the factors of a left eigenvector. The lean
         is the attitude into the wind that the law follows, at most the fraction `reach` of the
-        recoverable set, and what the design peak requires.
+        recoverable set, and what the design peak requires less the fraction `trust` of the limit.
         """
         modes = measured_coordinates(self.plant)
         # A row of two on a fixed path has a zero for the flight path angle.
         fast, slow = ([*row.tolist(), 0.0][:3] for row in modes.left_eigenvectors[[0, -1]])
-        slow = slow if modes.ratio else [0.0, 0.0, 0.0]  # the ratio is zero with a single mode
+        slow = slow if modes.ratio else [0.0, 0.0, 0.0]  # ratio of poles, zero with a single mode
         fast_attitude, fast_rate, fast_path = fast
         slow_attitude, slow_rate, slow_path = slow
         return LawNumbers(
@@ -139,7 +139,7 @@ class RecoverableAttitudeLaw(Law):
             slow_rate=slow_rate,
             slow_path=slow_path,
             ratio=modes.ratio,
-            wind=float(modes.wind[0]),  # of the fast mode
+            wind=float(modes.wind[0]),  # K1 of the fast mode: effect of the wind over that of B u
             B=float(self.plant.coefficients.B),
             reach=self.reach,
             gain=self.gain,

@@ -68,6 +68,7 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     limit = np.where(depends, f.cases.limit, 0.0)
     keys = np.column_stack([f.cases.vehicle, f.cases.law, f.cases.gain, limit])
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    # states of the system and of the law, and delayed commands; blocks of loops bound the memory
     size = f.now.y.shape[1] + f.now.states.shape[1] + f.now.commands.shape[1]
     blocks = np.array_split(first, -(-first.size * size // _MAX_ROWS))
     eigenvalues = np.concatenate([np.linalg.eigvals(_steps(batch, f, block)) for block in blocks])

@@ -452,6 +452,7 @@ class Airframe:
         h, run, set_deflection = self._step, self.engine.run, self._deflection_setters[self._plane]
         set_wind_speed = self._wind_setters[self._plane]
         hold_other_plane = self._attitude_hold(trajectory)
+        # the first nominal row, at the start; on the nominal path its attitude rate [1] turns it
         prediction = Prediction(
             self._readers[self._plane], h, sensors, path_rotation=h * next(nominal)[1]
         )

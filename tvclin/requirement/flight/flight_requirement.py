@@ -546,6 +546,8 @@ def with_directions(
     for i, j in np.argwhere(sizing.known[:, :pulses]).tolist():
         try:
             case = case_at(float(sizing.times[i]), j)
+            # by direction: winds to be computed along the flight (the factor is not used), or
+            # factors on the nominal requirement of a vehicle that is frozen at the flight time
             if base.varying and mode is not None:
                 winds = _winds_along(mode, case, K, float(sizing.begins[i, j]))
                 factors = dict.fromkeys(winds, 1.0)

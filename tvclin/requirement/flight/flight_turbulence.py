@@ -382,6 +382,7 @@ def flight_turbulence(
             responses = _pulses(loop, wind, signed=j < len(signed) and signed[j])
         for direction, response in responses.items():
             label = f"{name}{in_wind(direction)}"
+            # pairs of the flight time [s] at which a mean response begins, and that response
             rows = [
                 _largest(label, start, mean, response, request.factor)
                 for start, mean in response.means

@@ -268,7 +268,10 @@ class Panel:
     def __init__(self, source: str | Vehicle) -> None:
         """Make the controls and the figure for a source: a vehicle, its name, or a file.
 
-        The vehicles of the package are offered too, each with the file that a study names.
+        The vehicles of the package are offered too; `_sources` are their files, for a study file
+        that is written. `study`, `end`: buttons. `said`: text on the last use of a button.
+        `_timer`: next step of an answer, which a new choice cancels. `_setting_gains`: whether the
+        panel itself moves the controls of the gains.
         """
         widgets = _widgets()
         first, plan, named = _opened(source)
