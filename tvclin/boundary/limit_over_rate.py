@@ -4,8 +4,8 @@ With one unstable pole p that decides, (4b) integrated by parts is, for a deflec
 
     integral of delta'(s) e^(-p s) ds = d0,
 
-d0 the minimum peak at any rate. The earliest motion has the largest weight: a ramp at the full rate
-r, then a constant. With f(x) = (1 - e^-x)/x
+d0 the minimum peak without a rate limit. The earliest motion has the largest weight: a ramp at the
+full rate r, then a constant. With f(x) = (1 - e^-x)/x
 
     d0 = d f(p d/r),    d = -(r/p) ln(1 - p d0/r),    r > p d0.
 
@@ -106,10 +106,10 @@ def ramped_deflection(
     """Return the minimum deflection [rad] under limits of rate and acceleration, of one pole.
 
     The motion is a ramp at the full rate and then a constant d, whose mean with the weight p e^(-p
-    t) must be d0. `minimum`: d0 [rad], the minimum deflection at any rate, positive. `pole`: the
-    unstable pole p [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c [rad/s2], which
-    broadcast with `minimum`; both may be infinite. Returned: d of d0 = d f(p d/v) f(p v/c), f(x) =
-    (1 - e^-x)/x, v = min(r, sqrt(c d)); infinite where no deflection is sufficient.
+    t) must be d0. `minimum`: d0 [rad], the minimum deflection without a rate limit, positive.
+    `pole`: the unstable pole p [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c
+    [rad/s2], which broadcast with `minimum`; both may be infinite. Returned: d of d0 = d f(p d/v)
+    f(p v/c), f(x) = (1 - e^-x)/x, v = min(r, sqrt(c d)); infinite where none is sufficient.
     """
     d0, r, c = np.broadcast_arrays(
         *(np.asarray(x, dtype=float) for x in (minimum, rate, acceleration))
@@ -127,10 +127,10 @@ def ramped_deflection(
 def ramp_rate(minimum: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:
     """Return the minimum rate [rad/s] of a ramp to a limit `deflection` d [rad], of one pole.
 
-    `minimum`: d0 [rad], the minimum deflection at any rate. `pole`: the unstable pole p [1/s]. It
-    is the inverse of `ramped_deflection`: d0 = d (1 - e^-x)/x with x = p d/r, which Lambert's W
-    solves. Zero where no deflection is required, and infinite where no rate is sufficient. All
-    broadcast.
+    `minimum`: d0 [rad], the minimum deflection without a rate limit. `pole`: the unstable pole p
+    [1/s]. It is the inverse of `ramped_deflection`: d0 = d (1 - e^-x)/x with x = p d/r, which
+    Lambert's W solves. Zero where no deflection is required, and infinite where no rate is
+    sufficient. All broadcast.
     """
     from scipy.special import lambertw
 
@@ -182,7 +182,8 @@ class RateTradeOff(TradeOff):
         Lower bound [rad] of laws without a forecast, which survive if the wind stops for good at
         any instant, ``(n,)``, of the rate alone; None for a wind that changes its sign.
     minimum_deflection, minimum_rate : float
-        Minimum angle [rad] at any rate, and the rate [rad/s] that must be exceeded at any angle.
+        Minimum angle [rad] without a rate limit, and the rate [rad/s] that must be exceeded however
+        large the angle is.
     no_forecast_rate : float
         Lower bound [rad/s] of the rate without a forecast.
     acceleration_limit : float
@@ -190,10 +191,11 @@ class RateTradeOff(TradeOff):
     limit, rate_limit : float or None
         Limits of the nozzle [rad, rad/s].
     lower_bound : float
-        The larger of limit and bound [rad], at the nozzle's rate or else at any; of a law with a
-        forecast the limit. Infinite where no angle is sufficient at that rate.
+        The larger of limit and bound [rad], at the nozzle's rate or else without a rate limit; of a
+        law with a forecast the limit. Infinite where no angle is sufficient at that rate.
     required_rate : float
-        The minimum rate [rad/s], by the larger of both, at the nozzle's angle or else at any.
+        The minimum rate [rad/s], by the larger of both, at the nozzle's angle or else without a
+        limit of the angle.
     angle : float
         Largest wind angle [rad]. Above 30 deg the trade-off holds for the linear equations only,
         and the lower bound is NaN.
@@ -405,9 +407,10 @@ class _Case:
 
     `constraints`: of every unstable mode on the deflection, the integral of e^(-p t) delta dt from
     the onset on being its demand [rad s] for each of `constraints.poles` p. `unlimited`: deflection
-    of minimum peak at any rate. `acceleration`: its limit [rad/s2]; infinite if none.
-    `no_forecast`: lower bound [rad] without a forecast, at any rate; None for a wind that changes
-    its sign. `forecast`: whether the law has a forecast, to which that bound does not apply.
+    of minimum peak without a rate limit. `acceleration`: its limit [rad/s2]; infinite if none.
+    `no_forecast`: lower bound [rad] without a forecast and without a rate limit; None for a wind
+    that changes its sign. `forecast`: whether the law has a forecast, to which that bound does not
+    apply.
     """
 
     wind: History
@@ -419,12 +422,12 @@ class _Case:
 
     @property
     def law_bound(self) -> float:
-        """Lower bound [rad] without a forecast at any rate, if the law has none; else zero."""
+        """Lower bound [rad] of a law without a forecast or a rate limit; zero with a forecast."""
         return 0.0 if self.forecast else self.no_forecast or 0.0
 
     @property
     def minimum(self) -> float:
-        """Minimum deflection [rad] at any rate."""
+        """Minimum deflection [rad] without a rate limit."""
         return self.unlimited.peak
 
     @property
@@ -448,8 +451,8 @@ class _Case:
         """Rate [rad/s] that must be exceeded; `InputError` for too low an acceleration.
 
         An endless ramp at the rate r has the mean r/p with the weight p e^(-p t), p being the
-        fastest pole, so that r > p d0 for the minimum deflection d0 at any rate; an acceleration
-        limit c delays it, and r > -(c/p) ln(1 - p^2 d0/c).
+        fastest pole, so that r > p d0 for the minimum deflection d0 without a rate limit; an
+        acceleration limit c delays it, and r > -(c/p) ln(1 - p^2 d0/c).
         """
         p, c = self.pole, self.acceleration
         if self.minimum > 0.0 and c <= p**2 * self.fast_deflection:

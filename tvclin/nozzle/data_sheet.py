@@ -220,8 +220,8 @@ class DutyPoint(Shown):
     """Duty of a nozzle at a flight time [s] in a wind, in a plane.
 
     `wind`: its name, with its direction along the path where that matters. `limit`: the deflection
-    limit of this plane [rad]. `minimum`: minimum angle [rad] at any rate in a
-    known wind. `pole`: the fast unstable pole [1/s]; zero without an unstable pole, NaN for a
+    limit of this plane [rad]. `minimum`: minimum angle [rad] in a known wind, without a rate limit.
+    `pole`: the fast unstable pole [1/s]; zero without an unstable pole, NaN for a
     complex pair. `status`: outcome of the flight, see `fly_many`; empty where nothing is flown.
     `reason`: the reason where the flight cannot be judged. `duty`: the flight's; None where it is
     lost or cannot be judged. `law_notes`: notes on the design of the law. `without_noise`:

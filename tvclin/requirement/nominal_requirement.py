@@ -69,7 +69,8 @@ class RequiredDeflection(Shown):
     needs : dict of Reason to float or ndarray
         All requirements, as sizes [rad]; zero where one does not apply.
     status : str or ndarray of str
-        Status of the boundary with the literal switch; see `BoundaryLimit`.
+        Status of the boundary whose dead band ends where trim, not the wind, exceeds K times the
+        limit (the "literal" switch); see `BoundaryLimit`.
     """
 
     limit: Any = field(metadata=spec(label="limit over trim"))
