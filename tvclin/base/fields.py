@@ -267,7 +267,8 @@ def document(record: Any, *names: str) -> dict[str, Any]:
 def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
     """Return labels and values of fields of a record for a table, except missing values.
 
-    `prefix`: start of the numbers' names, as in "optimum.peak_deg". `names`: fields; all without.
+    `prefix`: start of the names of the numbers, "optimum" in "optimum.peak_deg". `names`: fields to
+    be shown; without names all.
     """
     return [
         (item.title, item.line(record, prefix))
@@ -284,7 +285,8 @@ def columns(record: Any, *names: str) -> list[Field]:
 def cells(record: Any, prefix: str, *names: str) -> tuple[lines.Line, ...]:
     """Return the values of fields of a record as cells of a table, without units.
 
-    `prefix`: start of the numbers' names, as in "optimum.peak_deg". `names`: fields, in order.
+    `prefix`: start of the names of the numbers, "optimum" in "optimum.peak_deg". `names`: fields to
+    be shown, in this order.
     """
     return tuple(
         item.cell(f"{prefix}.{item.document_key}", item.value(record))

@@ -474,7 +474,7 @@ class _Case:
 
     def _deflection(self, rate: float) -> float:
         """Return the minimum deflection [rad] at a rate limit [rad/s], the wind known; uncached."""
-        d = self.single_pole_deflection(rate)
+        d = self.single_pole_deflection(rate)  # [rad], from the fastest pole alone
         if self.minimum == 0.0 or np.isinf(d) or self._decided_by_one_pole(d, rate):
             return d
         if np.isfinite(self.acceleration):

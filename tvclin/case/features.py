@@ -168,18 +168,19 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
     `QUESTIONS`, or a name with an option, such as "design --box". `tables`: tables of the file of a
     case, of features that the case itself does not hold.
     """
-    of_the_rigid = [question for question in questions if question in _RIGID_NUMBERS]
+    rigid_questions = [question for question in questions if question in _RIGID_NUMBERS]
     if case.vehicle.structure is not None:
-        for question in of_the_rigid:
+        for question in rigid_questions:
             from tvclin.case.flexible_autopilot import shift_words  # late: of flights
 
-            which, moved = _RIGID_NUMBERS[question], shift_words(case.vehicle, case.plane)
-            said = f"{which} are of the rigid vehicle, without the structure in its file"
-            yield f"{said}{moved and f', which {moved}'} (tvclin margins has it)"
+            numbers, shift = _RIGID_NUMBERS[question], shift_words(case.vehicle, case.plane)
+            sentence = f"{numbers} are of the rigid vehicle, without the structure in its file"
+            yield f"{sentence}{shift and f', which {shift}'} (tvclin margins has it)"
     if case.plant_system is not None:
-        for question in of_the_rigid:
-            said = f"{_RIGID_NUMBERS[question]} are of the vehicle, without the plant in its file"
-            yield f"{said} (tvclin margins has it)"
+        for question in rigid_questions:
+            numbers = _RIGID_NUMBERS[question]
+            sentence = f"{numbers} are of the vehicle, without the plant in its file"
+            yield f"{sentence} (tvclin margins has it)"
     # a structure and flights of laws need a model other than some that a case may have
     flown = case.law_model if "fly --law all" in questions else case.loop_model
     if flown != case.model and not any(map(is_rigid_only, questions)):

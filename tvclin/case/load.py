@@ -62,7 +62,10 @@ class LoadBound:
     deflection_moment: float | None = quantity("moment slope", None, option=None)
 
     def __post_init__(self) -> None:
-        """Raise `InputError` unless there is one bound with its further values, in range."""
+        """Raise `InputError` unless one bound, with the values that belong to it, is in range.
+
+        The bound is `load`, `q_alpha` with the dynamic pressure, or `moment` with its slopes.
+        """
         checked(self)
         bounds = [name for name in ("load", "q_alpha", "moment") if getattr(self, name) is not None]
         if len(bounds) != 1:

@@ -423,10 +423,11 @@ def _arc(radius: float, start: float, end: float) -> FloatArray:
 def _polyline(corners: list[Any], count: int) -> FloatArray:
     """Return points on straight lines from corner to corner, all of these included, ``(n, 2)``.
 
-    `count`: number n of points.
+    `corners`: pairs (x, y). `count`: number n of points.
     """
     sides = len(corners) - 1
-    position = np.minimum(np.arange(count) / (count // sides), sides)  # in sides from the first
+    # position in sides from the first corner: steps that divide a side, and the last corner again
+    position = np.minimum(np.arange(count) / (count // sides), sides)
     columns = np.array(corners).T
     return np.stack([np.interp(position, np.arange(sides + 1), xs) for xs in columns], axis=-1)
 

@@ -139,7 +139,7 @@ class RecoverableAttitudeLaw(Law):
             slow_rate=slow_rate,
             slow_path=slow_path,
             ratio=modes.ratio,
-            wind=float(modes.wind[0]),  # K1 of the fast mode: effect of the wind over that of B u
+            wind=float(modes.wind[0]),  # k = K1 of the fast mode, z' = s (z - u - k w)
             B=float(self.plant.coefficients.B),
             reach=self.reach,
             gain=self.gain,

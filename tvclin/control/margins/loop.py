@@ -532,7 +532,7 @@ def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
     # A delay of `count` samples, as states that shift.
     shift = (np.eye(count, k=-1), np.eye(count, 1), np.eye(1, count)[:, ::-1], np.zeros((1, 1)))
     matrices = state_space.series(shift, system.matrices()) if count else system.matrices()
-    if np.any(np.abs(system.poles + 1.0) < _POLE_TOLERANCE):
+    if np.any(np.abs(system.poles + 1.0) < _POLE_TOLERANCE):  # at infinity in the w plane
         raise InputError("loop must not have a pole at z = -1, half the sample rate")
     form = w_plane_loop(matrices, np.reshape(system.period, 1))
     return SampledLoop(form, batch=(), period=system.period, loop_delay=np.asarray(T))

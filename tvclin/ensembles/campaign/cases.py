@@ -99,9 +99,10 @@ def draw_case(campaign: Campaign, case: int) -> Dispersed:
 
 
 def batch(campaign: Campaign, cases: Dispersed) -> Batch:
-    """Return the batch of plants, winds and gains of cases of a campaign, which are all possible.
+    """Return the batch of plants, winds and gains of n cases of a campaign.
 
-    `cases`: their dispersed values [SI], ``(n,)`` each.
+    `cases`: dispersed values [SI], ``(n,)`` each, of cases that are all possible: no mass is
+    negative.
     """
     changes = {
         k: v

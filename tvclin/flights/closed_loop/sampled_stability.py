@@ -303,7 +303,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         plant = batch.plant.with_effectiveness(effectiveness)
         return equilibrium_step(replace(batch, gain=np.asarray(gain), plant=plant))
 
-    A_1, M_1 = step(0.0, 1.0), step(1.0, 1.0)
+    A_1, M_1 = step(0.0, 1.0), step(1.0, 1.0)  # without and with the law, nominal effectiveness
     D_1, unit = M_1 - A_1, np.eye(len(A_1))
     if name == "effectiveness":
         dA = step(0.0, 2.0) - A_1

@@ -382,8 +382,8 @@ class WindProfile(Record):
 
         Notes
         -----
-        The speed of the flight stands for V_R, as in the linear theory, where the dynamic
-        pressure does not change with the wind either.
+        The speed of the flight stands for V_R, the speed through the air, as in the linear
+        theory, where the dynamic pressure does not change with the wind either.
         """
         errors.one_of("plane", plane, ("pitch", "yaw"))
         wind = self.in_plane(azimuth) if plane == "pitch" else self.cross_plane(azimuth)
