@@ -122,6 +122,7 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
     # of a rigid plant: without the columns of the deflection and its rate
     rows = coordinate_rows(plant, poles, np.asarray(plant.coefficients.B))[:, : len(A)]
     from_wind = inputs[:, 1]
+    # z' = p z + l w alpha_w without deflection: in a steady wind z = k alpha_w is at equilibrium
     return UnstableCoordinates(poles, left_eigenvectors=rows, wind=-(rows @ from_wind) / poles)
 
 

@@ -114,6 +114,7 @@ class ExitProblem:
         deflection from then on that each mode requires by itself, ``(n, m)``.
         """
         winds, which, numbers = self._arrays
+        # complex if a pole is, or a coefficient of the winds
         demands = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
         trim_filters = np.ascontiguousarray(numbers[cases, 2:])  # b1, b2 and q of each case
         work = (trim_filters, np.ascontiguousarray(poles), heights)

@@ -362,7 +362,7 @@ class LoadLimits:
         """Return limit [rad], its lower bound [rad] and slope at a bound of the load [rad].
 
         The slope is the decrease of the lower bound per load. Linear programs on finer nodes are
-        solved until the gap is small; without a control the limit is infinite.
+        solved until the gap is small; a mixture of their controls attains the limit, else infinite.
         """
         if load < self.load_floor:
             return np.inf, np.inf, np.nan

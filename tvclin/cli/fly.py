@@ -115,6 +115,7 @@ class EngineOptions:
         option. Gains of a file count only without --engine and --dead-band. The dead band is None
         where the law takes its own.
         """
+        # whether gains of the file make the autopilot the law
         in_file = self.engine is None and self.dead_band is None
         in_file &= not case.autopilot_design.unspecified
         law = self.law or (AUTOPILOT if in_file or law_options.has_gains(source) else None)
@@ -128,7 +129,7 @@ class EngineOptions:
         if engine != LINEAR:
             law_options.timing.only_with("--engine linear")
             model.only_with("--engine linear", "model")
-        questions = ["fly"]
+        questions = ["fly"]  # names in docs/conventions.md, for the notes on omissions
         if law != AUTOPILOT:
             questions.append("fly without --law autopilot")
         if law == AUTOPILOT and engine == LINEAR:

@@ -262,8 +262,9 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
     first = _BOX_POINTS * (axes - 1) if start is None else _LOCAL_POINTS
     options: dict[str, Any] = {"initial": first, "start": start, "over_box": start is None}
     pools = _ISLANDS if problem.has_alpha else 1  # of points that at first evolve by themselves
-    # First by peaks of the linear loop; for limits from there on by flights, at last all limits.
-    # A cost below UNSATISFIED_COST is a deflection over trim: the gains have all margins.
+    # First by peaks of the linear loop. For limits of flights the search goes on from these points,
+    # with few limits flown for each, and is refined with many. A cost below UNSATISFIED_COST is a
+    # deflection over trim: the gains have all margins.
     linear = partial(_cost, problem, partial(_linear_peaks, problem))
     points, costs = box_minimum(linear, axes, islands=pools, **options, **_LINEAR_SEARCH)
     if costs[0] < UNSATISFIED_COST and problem.limits:

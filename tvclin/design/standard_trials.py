@@ -377,7 +377,7 @@ def limit_tables(
             yield ((wind,), *cells, number_cell(f"{key}.any{unit}", scale * entry.no_forecast))
 
     def minimum_rows() -> Iterator[tuple[Line, ...]]:
-        """Yield the rows of trim and minimum in each wind."""
+        """Yield the rows of trim [deg], and the minimum [deg] and over trim, by wind."""
         for j, (wind, (trim, _, minimum)) in enumerate(wind_bounds.items()):
             ideal = number_cell(f"laws.{j}.ideal_deg", trim)
             deflection = number_cell(f"laws.{j}.minimum_deg", trim * minimum)

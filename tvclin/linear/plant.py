@@ -218,7 +218,8 @@ class Plant(WithCoefficients):
     def with_effectiveness(self, factor: ArrayLike) -> Plant:
         """Return the plant with control moment and control force multiplied by `factor`.
 
-        `InputError` for a factor that is not positive.
+        Both are proportional to mu_delta, since the deflection turns the path by b1/B. `InputError`
+        for a factor that is not positive.
         """
         c, multiple = self.coefficients, positive("factor", factor)
         with np.errstate(over="ignore"):  # an overflow is refused below

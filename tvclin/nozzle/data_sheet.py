@@ -170,6 +170,7 @@ class NozzleVerdict(Shown):
             return f"{self.diverged[0]}{f', and {others} more' if others else ''}"
         if self.unknown and self.satisfied is None:
             return "; ".join(self.unknown)
+        # lines are sorted, the largest required fraction of what is available first
         worst = next((line for line in self.lines if line.available is not None), None)
         if worst is None or self.satisfied is None:
             return ""

@@ -90,7 +90,10 @@ class FlownTradeOff(Shown):
         lower = {} if bounds is None else {"any law, at least": bounds}
 
         def cells(k: int) -> Iterator[Line]:
-            """Yield the cells of the row of the k-th rate limit."""
+            """Yield the cells of the row of the k-th rate limit: the rate, and limits by law.
+
+            `lower` is the bound without a forecast, the last column.
+            """
             yield degrees(f"laws.{k}.rate", rates[k])
             for name, values in (self.limits | lower).items():
                 shown = degrees(f"laws.{k}.{name}", values[k])

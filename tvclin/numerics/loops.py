@@ -252,7 +252,7 @@ class StateLoop:
         poles, vectors = np.linalg.eig(A)
         poles, vectors = poles.astype(complex), vectors.astype(complex)
         size = np.abs(poles).max(axis=-1, initial=0.0, keepdims=True)
-        modal = np.linalg.cond(vectors) < _MAX_EIGENVECTOR_CONDITION
+        modal = np.linalg.cond(vectors) < _MAX_EIGENVECTOR_CONDITION  # whether they are a basis
         left = np.linalg.inv(
             np.where(modal[:, np.newaxis, np.newaxis], vectors, np.eye(B.shape[1]))
         )

@@ -346,11 +346,12 @@ def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
 
 
 def laplace(pieces: Pieces, s: AnyArray) -> AnyArray:
-    """Return the Laplace integral of f(t) e^(-s t) of each history f, in the shape of both batches.
+    """Return the integral of f(t) e^(-s t) over all t of each history f, broadcast with `s`.
 
-    `pieces`: the histories. `s`: ``(...)`` [1/s]. The integral is infinite where the last piece
-    does not decay faster than e^(-s t) grows.
+    `pieces`: the histories. `s`: Laplace variable [1/s], ``(...)``. The integral is infinite where
+    the last piece does not decay faster than e^(-s t) grows.
     """
+    # of each piece, from its own knot on
     values, diverges = integrals(pieces.coefficients, pieces.rates, pieces.widths, s)
     total = (np.exp(-s[..., np.newaxis] * pieces.knots) * values).sum(axis=-1)
     return np.where(diverges.any(axis=-1), np.inf, total)

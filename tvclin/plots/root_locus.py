@@ -453,8 +453,8 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
     """Return factors on the loop gain, ``(n,)``, rising from zero to beyond a change of stability.
 
     Of an unstable loop to beyond the second change. `locus`: poles over factors. `samples`: the
-    loop with its margins. `radii`: radii of the panels [1/s], in which the branches are to be
-    smooth. The last factor is twice that change, from 3 to 1e4; without a change it is 10.
+    loop with its margins. `radii`: radii of the panels [1/s], falling, in which the branches are
+    to be smooth. The last factor is twice that change, from 3 to 1e4; without a change it is 10.
     """
     crossings = samples.margins.crossings.gain_factors  # with which poles cross the imaginary axis
     crossings = np.sort(crossings[np.isfinite(crossings) & (crossings > 0.0)])

@@ -516,10 +516,11 @@ def _at_peak(findings: Findings) -> str:
 
 
 def _also(nominal: bool | None, head: bool | None) -> bool | None:
-    """Return the answer for both dynamic pressures: yes needs both, no is that at the nominal.
+    """Return the answer for both dynamic pressures; None where it is not known.
 
-    `nominal`: answer at nominal dynamic pressure. `head`: at the peak of a head wind throughout,
-    which is an upper bound: no there alone is not known, None.
+    `nominal`: answer at nominal dynamic pressure; no or not known there stands. `head`: answer at
+    the peak of a head wind throughout, an upper bound of the requirement: a yes needs it too, and
+    without it is not known.
     """
     return True if nominal and head else None if nominal else nominal
 

@@ -162,7 +162,9 @@ def _check_complete(mapped: Wanted) -> None:
     if "time" not in mapped or not isinstance(mapped["time"].source, str):
         raise InputError("columns must name the column of the time, as time = 'Time (s)'")
     for name in (*_DIRECT, *_FACTORS):
-        factors = _FACTORS.get(name, ())  # quantities from which it may be computed
+        # Quantities from which it may be computed; the last belongs to this one alone, others such
+        # as the dynamic pressure may be given for another quantity.
+        factors = _FACTORS.get(name, ())
         if name in mapped and factors and factors[-1] in mapped:
             raise InputError(f"columns has both {name} and {factors[-1]}; keep one")
         if name not in mapped and not (factors and mapped.keys() >= set(factors)):

@@ -159,6 +159,8 @@ def _aerodynamics(
             # the slope of a surface is on its own radius r, and the rocket's on R
             radius_ratio = _attribute(surface, "rocket_radius") / _attribute(rocket, "radius")
             part = radius_ratio**2 * _sampled(surface, "clalpha", mach, "surface").values
+            # cpz counts from the surface towards the tail; _csys is 1 where positions of the
+            # rocket count towards the nose, else -1
             centre = position.z - _attribute(rocket, "_csys") * _attribute(surface, "cpz")
             slope, moment = slope - part, moment - part * centre
     if np.any(slope <= 0.0):

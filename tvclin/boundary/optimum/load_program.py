@@ -92,7 +92,7 @@ class LoadProgram:
         # bounds of the variables: deflections, states of the modes at the nodes, and the minimised
         if aim == LOAD:
             free[: self._variables] = bound / self._unit
-        else:
+        else:  # the load in equilibrium is within the bound in wide cells
             wide, fraction = self._static_bounds
             free[wide] = fraction * bound / self._unit
         bounds, cost = np.column_stack([-free, free]), np.append(np.zeros(free.size - 1), 1.0)

@@ -441,9 +441,10 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     k = np.real(poles) / np.imag(poles)  # decay sigma/omega, with x = omega u
 
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
-        """Return minus the quotient at phi = pi/2 - `zero`, times (sigma^2 + omega^2)/omega.
+        """Return minus the quotient above at phi = pi/2 - `zero`, over omega (1 + k^2).
 
-        `i`: indices of pairs ``(c,)``. `zero`: first zero of the cosine [rad], for each pair.
+        Its minimum over `zero` gives the peak. `i`: indices of pairs ``(c,)``. `zero`: first zero
+        of the cosine [rad], for each pair.
         """
         toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (zero - 0.5 * np.pi))))
         # integral of e^(-k x) |cos(x + phi)| over x > 0, times 1 + k^2: up to the zero of the

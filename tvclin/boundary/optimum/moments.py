@@ -262,7 +262,8 @@ class Window:
         zeros = self.zeros(multipliers)
         knots = np.concatenate([[0.0], zeros, [self.end]])
         moments = self.constraints.moments(knots)
-        areas = multipliers @ moments  # integrals of the sum between its zeros
+        # `moments`: integrals of e between the zeros, ``(n, k + 1)``; `areas`: those of the sum
+        areas = multipliers @ moments
         signs = np.where(areas < 0.0, -1.0, 1.0)
         norm = float(np.abs(areas).sum())
         return SignedSum(

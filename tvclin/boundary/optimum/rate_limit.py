@@ -301,7 +301,7 @@ def optimum_with_rate_limit(
             f" {np.degrees(rate):.4g} deg/s, and about {np.degrees(sufficient):.4g} deg/s"
             f" ({sufficient:.4g} rad/s) would do"
         )
-    values *= unlimited.peak
+    values *= unlimited.peak  # [rad]: the program has this peak for its unit
     slopes = np.diff(values) / np.diff(program.nodes)
     deflection: History = Piecewise(
         linear_pieces(program.nodes + start, values, np.append(slopes, 0.0))

@@ -335,9 +335,10 @@ class EqualValues(Tabled):
 
     @property
     def difference(self) -> FloatArray:
-        """Largest relative difference of the two gains of each pair, ``(k,)``.
+        """Relative difference of the gains at the two times of each pair, ``(k,)``.
 
-        The size of the logarithm of the ratio; a gain that is zero at both times does not count.
+        It is ``|ln(ratio)|`` of attitude or rate gain, the larger; a gain that is zero at both
+        times does not count.
         """
         ratios = np.stack([self.attitude_gain_ratio, self.rate_gain_ratio])
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -336,7 +336,11 @@ def turbulence_along(
     pressure_of_flight = load_slopes.dynamic_pressure is None and flight.altitude is not None
 
     def autopilots_and_plants(time: FloatArray) -> tuple[Autopilot, AnyPlant]:
-        """Return the autopilots and the plants at times [s] of the flight, not beyond it."""
+        """Return the autopilots and the plants at times [s] of the flight, not beyond it.
+
+        Delay and sample rate are constant. With a constant structure, `frozen`, the plants have it;
+        else the structure of the flight.
+        """
         autopilots = autopilot_along(autopilot, flight, time)
         autopilots = replace(autopilots, delay=delay, sample_rate=rate)
         if frozen is None:

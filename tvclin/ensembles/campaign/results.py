@@ -386,7 +386,7 @@ class ResultsInMemory(CampaignResults):
                 f"more than {_MAX_CASES_IN_MEMORY} cases need a folder, -o results; got"
                 f" {campaign.cases}"
             )
-        nominal(campaign)
+        nominal(campaign)  # raises for a campaign that cannot be computed, before the many cases
         results = cls(Path(), new_manifest(campaign), ())
         for k in range(campaign.chunks):
             done = (*results.columns, evaluate(campaign, *campaign.span(k)))

@@ -108,17 +108,17 @@ class Stepper:
     """Kernel of the flights `f`, whose demands are computed outside, one sample at a time."""
 
     def __init__(self, f: Flights) -> None:
-        """Choose plain Python or machine code by the length of the flights, changed in place."""
+        """Choose plain Python or machine code for both kernels; flights `f` are changed in place."""
         seconds = float(_minimum_samples(f).sum()) * kernel.PLAIN
-        self._look = choice.fastest(kernel.measure_flights, seconds)
-        compiled = self._look is not kernel.measure_flights
+        self._measure = choice.fastest(kernel.measure_flights, seconds)
+        compiled = self._measure is not kernel.measure_flights
         # both kernels together, as machine code takes other arrays
         self._advance = machine_code(kernel.move_flights) if compiled else kernel.move_flights
         self._flights = _with_law_array(f) if compiled else f
 
     def look(self, k: int) -> int:
         """Evaluate measurements and outcomes at sample `k`; return the number of active flights."""
-        return self._look(self._flights, k)
+        return self._measure(self._flights, k)
 
     def advance(self, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray) -> None:
         """Step the active ones of m flights by the sample with number `k`, in place.
@@ -238,6 +238,7 @@ def _rows(
     deflection that is a straight line. The response to the wind is added to both. `at`: substeps of
     the times. `bare`: the plant without its `actuator`. `times`: flight times [s].
     """
+    # state at the start of the substep; deflection there [rad] and its constant rate if limited
     y, first, slope = at.y, at.first, at.slope
     n = len(bare.states)
     vehicle = y[:, :n]
@@ -253,7 +254,7 @@ def _rows(
         rows[:n] = np.where(at.bounded, limited, rows[:n])
     rows[:n] += _wind_response(bare.A, bare.B[:, 1], wind, at)
     position = at.command if actuator is None else np.clip(at.unlimited[n], -at.limit, at.limit)
-    rows[n] = np.where(at.bounded, first + slope * at.u, position)
+    rows[n] = np.where(at.bounded, first + slope * at.u, position)  # u: time in the substep [s]
     return np.where(times < at.onset, 0.0, rows)
 
 

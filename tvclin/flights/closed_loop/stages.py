@@ -591,8 +591,9 @@ class Stages:
         """Indices of the samples next to a knot of the wind; none where all are interpolated."""
         if self._by_pressure:
             return np.zeros(0, np.int64)
-        flight = self.flight_of_wind
-        inside = np.floor((self._pieces[0] - self.starts[flight, np.newaxis]) / self.period)
+        flight, (knots, _) = self.flight_of_wind, self._pieces  # knots by wind [s]
+        inside = np.floor((knots - self.starts[flight, np.newaxis]) / self.period)  # sample of each
+        # of each flight the number of samples, and the index of its first among those of all
         samples, firsts = (a[flight, np.newaxis, np.newaxis] for a in (self.samples, self.first))
         neighbours = inside[..., np.newaxis] + np.arange(-1, 2)
         flown = (neighbours >= 0) & (neighbours <= samples)

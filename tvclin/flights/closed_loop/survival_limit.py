@@ -385,7 +385,10 @@ def closed_loop_boundary(
             progress(min(next(flown), total), total)
 
     def status_at(limits: FloatArray) -> NDArray[np.str_]:
-        """Return the status of flights at limits over trim ``(n,)``, in all winds."""
+        """Return the status of flights at limits over trim ``(n,)``, in all winds.
+
+        `scale` is the largest trim deflection [rad].
+        """
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
             """Return the status in one wind of flights with the limits where `chosen` is true."""

@@ -84,8 +84,9 @@ class TrimThenHold:
         """Return the deflection [rad] at the step with number `k`, for predicted measurements.
 
         The trim deflection is B times the angle of attack, which is an angle without the wind minus
-        the wind, at the end of the step (`_ends`). From where it reaches K times the limit on, the
-        limit is constant (`_constant`).
+        the wind, at the end of the step (`_ends`). From where it reaches K times the limit on
+        (`_level`), the limit is constant (`_constant`), with the sign of trim. The measured angle
+        of attack has the mean wind of the step in it (`_means`).
         """
         if self._constant is not None:
             return self._constant

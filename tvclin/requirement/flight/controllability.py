@@ -74,7 +74,10 @@ class ControllabilityRatio(Shown):
 
     @property
     def table(self) -> Table:
-        """Table of the contributions to the ratio."""
+        """Table of the ratio: trim of the wind, contributions that add up, and the limit.
+
+        `takes` is the total of all but the limit, at the worst flight time.
+        """
         rows = rows_of(self.takes, "ratio", "trim of the wind")
         total = degrees("ratio.takes", self.takes.total)
         rows.append((("trim and all that adds up",), (SUMS,), total))

@@ -354,8 +354,9 @@ class Panel:
     def _complete(self, choices: Choices, steps: int) -> None:
         """Show the answer to choices after some steps, and continue where steps remain.
 
-        Between two pictures the kernel handles moved controls; before a slow step the answer so far
-        is shown. `steps`: number of steps to compute.
+        Fast steps are added to it for a short time; before a slow step (`remaining` says which are)
+        the answer so far is shown. Between two pictures the kernel handles moved controls. `steps`:
+        number of steps to compute.
         """
         begun, result = perf_counter(), answer(choices, steps)
         while result.remaining and perf_counter() - begun < _WAIT and not result.remaining[0]:
