@@ -108,7 +108,7 @@ class Stepper:
     """Kernel of the flights `f`, whose demands are computed outside, one sample at a time."""
 
     def __init__(self, f: Flights) -> None:
-        """Choose plain Python or machine code for both kernels; flights `f` are changed in place."""
+        """Choose plain Python or machine code for both kernels, which change `f` in place."""
         seconds = float(_minimum_samples(f).sum()) * kernel.PLAIN
         self._measure = choice.fastest(kernel.measure_flights, seconds)
         compiled = self._measure is not kernel.measure_flights
