@@ -344,13 +344,12 @@ class LoadLimits:
     def points_at(self, loads: FloatArray) -> list[tuple[float, float, float]]:
         """Return limit [rad], lower bound [rad] and slope at each of `loads` [rad], in their order.
 
-        The slope is the decrease of the lower bound per load, see `at`. The outer loads are
-        computed first, then by bisection those between, for which mixtures of the controls on both
-        sides often suffice.
+        For the slope see `at`. The outer loads are computed first, then those in the middle of
+        computed ones: mixtures of their controls often suffice for the loads between.
         """
         order, pending = np.argsort(loads, kind="stable"), [(0, loads.size - 1)]
         positions = [0, loads.size - 1]
-        for low, high in pending:  # pairs of computed loads; the loop appends its own halves
+        for low, high in pending:  # pairs of computed loads; halves are appended
             if high - low > 1:
                 middle = (low + high) // 2
                 positions.append(middle)

@@ -132,6 +132,7 @@ def _bisected(
         """Return whether each of `limits` ``(c, ...)`` diverges in case `which` ``(c,)``."""
         flat = limits.ravel()
         repeated = np.repeat(cases[which], limits.size // which.size)
+        # the minimum peak after trim up to K L, or L itself where that is proved to be sufficient
         exceeded = after.peaks(repeated, flat, flat) > flat * (1.0 + _RELATIVE_ROUNDING)
         return exceeded.reshape(limits.shape)
 

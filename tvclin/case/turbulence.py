@@ -191,7 +191,11 @@ def turbulence_of(document: Mapping[str, Any], folder: Path) -> TurbulenceReques
     """
 
     def request(keys: dict[str, Any]) -> TurbulenceRequest:
-        """Return the request of the keys of [turbulence]."""
+        """Return the request of the keys of [turbulence].
+
+        Numbers over altitude are a table, from a file in `folder`, or from the rows of the key
+        level.
+        """
         values = TURBULENCE_TABLE.read(keys)
         path, levels = values.pop("file", None), values.pop(LEVELS, None)
         if path is not None and levels is not None:

@@ -424,7 +424,11 @@ class _Answer:
         return plots.nichols_chart(self.margins.autopilot, self.case.plant, self.case.held_to)
 
     def document(self) -> dict[str, Any]:
-        """Return the document of the answer for JSON."""
+        """Return the document of the answer for JSON.
+
+        "least" has the gains for the minimum deflection (`sought`), and "box" the worst margins in
+        the intervals of --box (`in_box`), where these are computed.
+        """
         case, margins = self.case, margins_document(self.margins)
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         further = {"least": self.sought, "box": self.in_box}

@@ -81,7 +81,7 @@ class Compared:
         return bool(self.flight.survived)
 
     def write(self, shown: ShownCurves) -> None:
-        """Write the CSV file and the figure of the flight."""
+        """Write the CSV file and the figure of the flight, beside its linear or rigid reference."""
         from tvclin.plots import flight_chart, flight_curves
 
         title = f"{self.flying.title}, limit {np.degrees(self.limit):.3f} deg, {self.flying.engine}"

@@ -337,7 +337,8 @@ class AutopilotFlight:
     def sufficient(self) -> bool | None:
         """Whether the limit is sufficient in this wind; None without one, and if not known.
 
-        A loop that was not flown with its limits survives where it never reaches them.
+        The flight and the requirement of the autopilot decide, in a wind that is known. Without
+        them the linear loop of `compared` does, which survives where it never reaches its limits.
         """
         limit, max_rate = self.case.nozzle.limit, self.case.nozzle.rate_limit or inf
         if limit is None or self.unknown_reason:
@@ -440,7 +441,7 @@ class AutopilotFlight:
 
         `more`: whether the details are printed, and all notes. With a limit the verdict is on that,
         and the flight comes first; without one it is the autopilot requirement, and the comparison
-        of the loop with trim comes first.
+        of the loop with trim comes first. An unstable loop is not compared.
         """
         stable, tables = self.compared.margins.stable, []
         if stable:

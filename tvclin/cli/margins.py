@@ -425,8 +425,8 @@ def _flown(case: StudyPlan, autopilot: Autopilot) -> FlownMargins | LostFlightEr
     """Return the flown margins of a case and its autopilot, sampled with a computer's delay.
 
     The hardware of the case is sample rate, delay, actuator and rate limit of the flights; its
-    deflection limit [rad] is the stop of the law. Of a flight that is lost before anything changes,
-    return the error.
+    deflection limit [rad] is the stop of the law. Margins are changes of gain, effectiveness or
+    delay until a flight is lost; of a case lost without any of them, return the error.
     """
     limit, law = case.nozzle.limit, SaturatedLaw.of(autopilot)
     assert limit is not None  # by --limit-deg

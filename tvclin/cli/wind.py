@@ -102,9 +102,10 @@ class WindOptions(PulseOptions):
     )
 
     def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
-        """Return a plan with the sounding or the pulse of these options; a sounding from t = 0.
+        """Return a plan with the sounding or the pulse of these options.
 
-        `source`: file of the plan.
+        A sounding is a wind from t = 0 on, the flight time of the vehicle. `source`: file of the
+        plan. `InputError` for keys of [sounding] in a plan without one.
         """
         sounding = self.sounding_of(plan, source)
         if sounding is None:

@@ -178,6 +178,7 @@ class PlanarMotion:
         speed = now.speed * (1.0 + x[3])
         if self.plane == "pitch":
             path = now.path + x[2]
+            # law of sines in the wind triangle of the nominal flight
             wind = now.speed * np.sin(gust) / np.sin(now.path + gust)
             along, across = speed * np.cos(path) - wind, speed * np.sin(path)
             path_angle = np.arctan2(across, along) - now.path
@@ -234,6 +235,7 @@ class PlanarMotion:
         v = self.vehicle
         if self.nominal is None:  # the altitude matters only where parameters vary
             return _Nominal(mass=v.mass, speed=v.velocity, path=v.attitude, altitude=0.0)
+        # a solver evaluates one time more than once: `_latest` stores the last state
         return _nominal_at(self.nominal, t) if np.ndim(t) else _latest(self.nominal, float(t))
 
 

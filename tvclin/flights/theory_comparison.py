@@ -288,6 +288,7 @@ def compare_flight(
     simulator = ENGINES[errors.one_of("engine", engine, ENGINES)]
     survives = simulator.verdict(vehicle, wind, control, frozen=condition is None, **options)
     survived, predicted = survives(limit), limit >= minimum
+    # the report's control holds the limit until it is released
     holds = isinstance(control, ReportControl)
     with warnings.catch_warnings():
         if survived and holds:  # the fall in the other direction is after the release of the limit
@@ -296,6 +297,7 @@ def compare_flight(
             vehicle, control, wind, timepts, deflection_limit=limit, **options
         )
     linear = _linear(plant, control, wind, times, limit)
+    # NaN from the first attitude (row 0) beyond 90 degrees on
     linear[:, np.logical_or.accumulate(np.abs(linear[0]) > MAX_SHOWN_ATTITUDE)] = np.nan
     ends = tuple(
         _release_time(plant, wind, times, outputs, limit) if holds and survivor else np.inf

@@ -123,7 +123,7 @@ def response_end(
     """
     from scipy.optimize import brentq
 
-    back = extremes(plant, deflection, wind, longest).back_at_zero
+    back = extremes(plant, deflection, wind, longest).back_at_zero  # return of the attitude to zero
     if lets_go and back is not None:
         return ResponseEnd(back.time, RELEASED, back)
     times = probe_times(0.0, longest, deflection, wind)

@@ -475,6 +475,8 @@ class Plant(WithCoefficients):
 
         Notes
         -----
+        For attitude theta, path angle gamma, wind alpha_w and deflection delta, with the report's
+        coefficients C1, b1, b2 [1/s], C2 [1/s^3] and B = mu_alpha/mu_delta (`Coefficients`),
         theta'' = mu_alpha (theta - gamma - alpha_w) - mu_delta delta - damping theta', and
         gamma' = (C1 + w) theta - C1 gamma + d delta - n alpha_w (+ sqrt(q) V/V_n), with
         w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B,

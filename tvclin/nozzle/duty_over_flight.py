@@ -230,6 +230,7 @@ def flight_duty(
         for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
             vehicle = request.schedule.at(time)
+            # with its peak at this time; the window is of the placing "flight" alone
             placed = placed_in_planes(
                 conditions.planes, wind, vehicle, time, placing="peak", window=1.0
             )

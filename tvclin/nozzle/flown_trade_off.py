@@ -82,6 +82,7 @@ class FlownTradeOff(Shown):
         if required is None or limit is None or self.minimum.beyond_linear:
             return None
         survived = {name: limit >= value for name, value in required.items()}
+        # a law that survives the known part of the wind may be lost in the rest
         return None if self.unknown_wind and any(survived.values()) else survived
 
     def tables(self) -> tuple[Table, ...]:

@@ -134,6 +134,7 @@ def mean_absolute(mean: FloatArray, deviation: FloatArray) -> FloatArray:
     from scipy.special import erf  # late: scipy takes long to import
 
     ratio = _ratio(mean, deviation)
+    # ratios up to 40, beyond which the exponential is zero, so that no square overflows
     spread = deviation * np.sqrt(2.0 / np.pi) * np.exp(-0.5 * np.minimum(np.abs(ratio), 40.0) ** 2)
     return np.asarray(spread + mean * erf(ratio / np.sqrt(2.0)))
 

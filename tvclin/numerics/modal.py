@@ -105,7 +105,8 @@ def responses(
 ) -> tuple[FloatArray, BoolArray | None]:
     """Return the outputs ``(*shape, R, n)``, and the cases whose modes are not distinct.
 
-    `system`: plants as sums of N modes with R outputs. `inputs`: histories of deflection and wind.
+    `system`: plants as sums of N modes with R outputs, from the last of which the wind is
+    subtracted if `less_wind`. `inputs`: histories of deflection and wind.
     `times`: times [s], ``(n,)``, in any order. `shape`: of the batch, to which plants and inputs
     broadcast. The outputs have the units of the inputs. The second result has the shape `shape`,
     True where two poles are too close for separate modes within these times; it is None where this

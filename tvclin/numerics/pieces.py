@@ -500,9 +500,9 @@ def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyAr
     Shape ``(..., m)``. `c`, `rates`: f of each piece is the sum of c_k u^k e^(rate u), with ``(...,
     m, rates, degree + 1)`` and ``(..., rates)``. `widths`: ``(..., m)`` [s]. `pole`: ``(...)``
     [1/s]. The integral from 0 to h of e^(p (h - v)) v^k e^(lambda v) dv is expanded from the start
-    of the piece where the rate decays faster than the pole, and from its end otherwise: it is
-    h^(k+1) e^(p h) M_k((p - lambda) h), with M_k of `moments`, or the same of the recentred terms
-    with v counted backward.
+    of the piece where the rate decays faster than the pole, and from its end otherwise, so that no
+    exponential overflows: it is h^(k+1) e^(p h) M_k((p - lambda) h), with M_k of `moments`, or the
+    same of the recentred terms with v counted backward, whose odd powers change sign.
     """
     order, width = c.shape[-1], widths[..., np.newaxis]
     gap = (pole[..., np.newaxis] - rates)[..., np.newaxis, :]

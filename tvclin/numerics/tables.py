@@ -52,5 +52,5 @@ class TableLines:
         )
         slopes = np.zeros_like(values)
         slopes[:, :-1] = np.diff(values) / np.diff(self.rows)
-        before, since = self._lines
+        before, since = self._lines  # row before each time, and the time since that row
         return slopes[table, before] * since + values[table, before]

@@ -261,11 +261,13 @@ def mode_frequency(mode: ModeBand) -> float:
 def corner_frequencies(loop: Loop) -> FloatArray:
     """Return the rising magnitudes [rad/s] of the nonzero poles of the loop, in the s plane.
 
-    Those of a sampled loop, whose form has poles in the w plane, end at half its rate.
+    Of a sampled loop, whose form has poles in the w plane, they end at half its rate. The loop is a
+    single one, the first row of the arrays.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(loop.w_to_s(loop.form.open_poles().astype(complex))[0])
     size = size[np.isfinite(size)]
+    # nonzero: above rounding
     relevant = (size > 1e-9 * size.max(initial=0.0)) & (size <= loop.max_frequency()[0, 0])
     return np.sort(size[relevant])
 

@@ -53,7 +53,7 @@ class VectorRequirement:
 def vector_requirements(
     pitch: Plant, yaw: Plant, wind: PlaneWind, limit_shape: LimitShape, dead_bands: FloatArray
 ) -> VectorRequirement:
-    """Return the requirements of a wind vector that ends; zeros where (4b) has no vector.
+    """Return the requirements of a wind vector that ends; zeros and a note where none is defined.
 
     `pitch`, `yaw`: plant of each plane. `limit_shape`: limit in both planes. `dead_bands`: K,
     ``(k,)``.

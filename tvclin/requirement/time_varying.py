@@ -140,7 +140,8 @@ def step_counts(wind: History, motion: Motion) -> FloatArray:
 def _breakpoints(wind: History, motion: Motion) -> FloatArray:
     """Return breakpoints [s] of winds and motion from each onset on, ``(n, k + 1)``.
 
-    The last one is the time at which the flight is judged, the end of the wind or later.
+    The last one is the time at which the flight is judged, the end of the wind or later. `motion`:
+    equations of the vehicles over time. Breakpoints outside are moved to the nearer end.
     """
     knots = wind.knots.reshape(-1, wind.knots.shape[-1])
     onset, end = (np.reshape(x, (-1, 1)) for x in (wind.onset, motion.judged_at(wind.end)))
@@ -490,8 +491,9 @@ class SteppedWinds:
     def _columns(self) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
         """Return the arguments that the kernels of the limited and the unlimited trim both take.
 
-        They are steps with equations and winds, costates at the end ``(n, m + 1)``, and onsets in
-        steps ``(n,)``, all as contiguous arrays.
+        They are steps with equations and winds, costate and control reach at the end of the steps
+        ``(n, m + 1)``, and the position of each onset, counted in steps, ``(n,)``; all as
+        contiguous arrays.
         """
         cases, steps, _ = self.wind.shape
         end = np.broadcast_to(self.equations.end, (cases, self.equations.end.shape[-1]))

@@ -147,9 +147,9 @@ class Curves:
 
         Both are ``(n,)``. The demand is the limit sufficient when held from then on. The largest is
         at the begin, the middle or the end of a step, at the vertex of the parabola of trim, or at
-        a crossing of both curves. `paired`: where two unstable modes are a pair, so that trim must
-        never be limited and counts alone, ``(n, S, 3)``. `sign`: sign of the trim that counts, by
-        default either.
+        a crossing of both curves; the last two are searched in steps with a larger demand alone.
+        `paired`: where two unstable modes are a pair, so that trim must never be limited and counts
+        alone, ``(n, S, 3)``. `sign`: sign of the trim that counts, by default either.
         """
         lower = smaller(self.trim, self.demand, sign)
         if np.any(paired):

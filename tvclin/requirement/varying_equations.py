@@ -52,7 +52,11 @@ class UnstableModes:
     costates: AnyArray
 
     def of(self, cases: IndexArray) -> UnstableModes:
-        """Return the modes of those cases, by position in the batch, that are among these."""
+        """Return the modes of a selection `cases` of the batch; cases without these modes are left.
+
+        `cases`: positions in the batch, ``(c,)``. In the result positions count in this selection.
+        """
+        # row of each case among those with these modes, whose positions rise
         row = np.minimum(np.searchsorted(self.cases, cases), len(self.cases) - 1)
         which = self.cases[row] == cases  # whether a case has these modes; the others are omitted
         rows = row[which]

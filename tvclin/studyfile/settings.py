@@ -387,7 +387,10 @@ def _quantity(table: FileTable, key: str) -> str:
 
 
 def _exists(tables: Mapping[str, Any], setting: Setting) -> bool:
-    """Return whether the key of a setting is in the tables, in any row of a repeated one."""
+    """Return whether the key of a setting is in the tables, in any row of a repeated one.
+
+    Repeated are such as [[wind]], and the filters of [autopilot]: autopilot.filter.ROW.KEY.
+    """
     key, entry = setting.parts[-1], tables.get(setting.parts[0])
     rows = entry if isinstance(entry, list) else [entry]
     if setting.parts[0] == "autopilot" and len(setting.parts) > 2:

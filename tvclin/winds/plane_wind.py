@@ -199,7 +199,8 @@ class PlaneWind:
     def unidirectional(self) -> BoolArray:
         """Whether the wind vector stays on one line, shape ``batch``.
 
-        It does if all terms of pitch and yaw have the ratio of `direction`.
+        It does if all coefficients of pitch and yaw, on the same knots and rates, have the ratio
+        of `direction`, which the component across that line shows to be zero.
         """
         pitch, yaw = self._terms
         line = unit_vector(self.direction)[..., np.newaxis]

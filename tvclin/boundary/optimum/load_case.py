@@ -118,7 +118,8 @@ class LoadCase:
     def matrix(self, values: AnyArray) -> FloatArray:
         """Return matrices ``(..., m, m)`` that multiply the modes by complex `values` ``(..., k)``.
 
-        They act on the m real numbers of the k modes, a pair having two.
+        They act on the m real numbers of the k modes: the real part, and for a pair the imaginary
+        part behind it. Rows and columns of imaginary parts that are no state are removed.
         """
         k = values.shape[-1]
         product = np.zeros((*values.shape[:-1], 2 * k, 2 * k))
@@ -176,11 +177,12 @@ class LoadCase:
         order = np.argsort(-poles.real, kind="stable")
         poles, right = poles[order].astype(complex), right[:, order]
         driven = np.linalg.solve(right, B[:, 0])  # of each mode by the deflection
+        # the last output is the angle of attack; modes are scaled by |s|, see `sizes`
         share = (C[-1] @ right) * driven / np.where(poles == 0.0, 1.0, np.abs(poles))
         unstable = np.arange(poles.size) < unstable_poles(self.plant).size
         seen = np.abs(share) > _NEGLIGIBLE_SHARE * np.abs(share).max()
         retained = (poles.imag >= 0.0) & (unstable | seen)
-        coefficients = np.where(poles.imag > 0.0, 2.0, 1.0) * share
+        coefficients = np.where(poles.imag > 0.0, 2.0, 1.0) * share  # 2: for the conjugate too
         return poles[retained], coefficients[retained], int(np.count_nonzero(unstable & retained))
 
     @cached_property
@@ -304,6 +306,7 @@ class LoadWeights:
         after it by stable ones. `x`: fractions of the n cells, ``(n, q)``.
         """
         c = self.case
+        # density of the load's weight at start and end of each cell, linear between them
         column, (start, end) = self.widths[:, np.newaxis], self.density_ends[:, :, np.newaxis]
         here = start * (1.0 - x) + end * x  # density of the load's weight
         density = c.ratio * here
@@ -312,6 +315,7 @@ class LoadWeights:
                 distance, origin, node, sign = x, start, self._before[:-1, i], -1.0
             else:
                 distance, origin, node, sign = 1.0 - x, end, self._after[1:, i], 1.0
+            # `node`: weights beyond the cell, decayed to its node; `origin`: density at that node
             decay, near, far = convolution_weights(c.rates[i], column * distance)
             weight = decay * node[:, np.newaxis] + c.shares[i] * (near * here + far * origin)
             density = density + sign * c.sizes[i] * weight.real

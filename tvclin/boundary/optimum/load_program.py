@@ -382,11 +382,12 @@ def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
 def _diagonal(blocks: FloatArray, behind: int = 0) -> Any:
     """Return the sparse block-diagonal matrix ``(n m, n q)`` of blocks ``(n, m, q)``.
 
-    `behind`: number of block columns by which blocks move to the left, the first ones out of it.
+    `behind`: number of block columns by which blocks move to the left; the first ones leave it.
     """
     from scipy import sparse
 
     n, m, q = blocks.shape
+    # index of the first block of each block row, and their number; the first rows are empty
     starts = np.concatenate([np.zeros(behind, dtype=int), np.arange(n - behind + 1)])
     parts = (blocks[behind:], np.arange(n - behind), starts)
     matrix = sparse.bsr_matrix(parts, shape=(n * m, n * q)).tocsr()

@@ -240,8 +240,10 @@ def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
 def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     """Return switch times [s] and limit [rad] after Newton's iteration on the conditions.
 
-    `window`: the conditions, moments of the poles' exponentials. `switches`: times [s], ``(k,)``,
-    from nearly dependent conditions (a short horizon); they are made exact to rounding.
+    The deflection is the limit, whose sign changes at each switch. `window`: the conditions,
+    moments of the poles' exponentials. `switches`: times [s], ``(k,)``, from nearly dependent
+    conditions (a short horizon); they are made exact to rounding. A step that leaves their order or
+    does not reduce the violation ends the iteration.
     """
     # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
     # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.

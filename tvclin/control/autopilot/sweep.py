@@ -201,7 +201,8 @@ class Sweep(Tabled):
         """Return the columns of the table by flight time, ``(n,)``, by their headings.
 
         Margins of the loop [dB, deg] and of its modes, of more than two modes the smallest; and
-        "detuned": smallest ratio of a margin with a changed mode to its limit.
+        "detuned": smallest ratio of a margin with a changed mode to its limit, NaN for an unstable
+        loop.
         """
         margins = {
             "gain down [dB]": self.margins.aero_margin_dB,

@@ -495,7 +495,7 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
         """Return open loops in steps of a sample, from the command to the returned command.
 
         `delays`: their delays [s], ``(k,)``. `cases`: their indices in the flattened batch,
-        ``(k,)``.
+        ``(k,)``, of vehicles, laws and sample periods h.
         """
         vehicles, laws = (system.cases(cases, batch) for system in (vehicle, law))
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)

@@ -272,8 +272,9 @@ class Judge:
         """Return bounds of required deflections [rad], and whether they need no unknown wind.
 
         The bounds are the lower, the upper, and the lowest limit with which a flight may survive.
-        All are ``(a, n)``, with winds that are not known calm, and strong. `within`: heights [m]
-        between which the n winds are judged, ``(n, 2)``.
+        All are ``(a, n)``, a azimuths and n winds. Where a sounding has no levels the wind is calm,
+        and strong (the strongest that counts), and bounds cover both; if both agree, none of the
+        unknown wind is needed. `within`: heights [m] between which winds are judged, ``(n, 2)``.
         """
         lower, upper, lowest = self._bounds(winds, within)
         wind_known = np.ones(lower.shape, dtype=bool)

@@ -208,7 +208,8 @@ class PlaneMarch:
         """Return winds with a gust: at the time of the largest wind, and of the requirement.
 
         These are two records of n winds; without a gust the winds themselves. `sign`: sign of wind
-        and gust; a wind that never has this sign is without a gust. `additions`: has the gust.
+        and gust; a wind that never has this sign is without a gust. `additions`: has the gust. At
+        the time of the requirement min(trim, demand) is largest.
         """
         gust, times = additions.gust, winds.times
         if gust is None:
@@ -218,7 +219,8 @@ class PlaneMarch:
         _, equations = self._steps
         # row of the angular acceleration in [A b w], in the middle of each step
         acceleration = equations.nominal[0, :, 1, 1]
-        trim_per_wind = -np.sum(acceleration[:, -1] / acceleration[:, -2])  # its sign counts
+        # -w/b is the trim deflection per wind angle, -B, of which the sign counts
+        trim_per_wind = -np.sum(acceleration[:, -1] / acceleration[:, -2])
         trim_sign = float(np.sign(trim_per_wind)) * sign
         _limit, limit_time = self._limit(self.stepped(winds).curves(), trim_sign)
         speed = partial(self._gust_speed, sign, additions, calm)
@@ -287,7 +289,8 @@ class MarchedWinds:
     def requirement(self, cases: IndexArray) -> FloatArray:
         """Return the required deflections [rad] of winds, by flights where these decide.
 
-        `cases`: indices of the winds, in whose order the answers are.
+        They decide where a limit below the upper bound may survive or not; else the lower bound is
+        required. `cases`: indices of the winds, in whose order the answers are.
         """
         b, required = self.bounds, self.bounds.lower[cases]
         undecided = np.flatnonzero((b.upper > b.lowest)[cases])

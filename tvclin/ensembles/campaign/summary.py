@@ -111,7 +111,12 @@ class CampaignSummary(Shown):
 
     @property
     def verdict(self) -> str:
-        """Whether the limit is sufficient, and the covering deflection with its confidence."""
+        """Whether the limit is sufficient, and the covering deflection with its confidence.
+
+        `required` is the quantile at a probability, with an `estimate` and, for a confidence, an
+        `upper` bound, infinite with too few cases; then the upper bound of `success`, the
+        probability that the limit is sufficient, may still say no. `unknown` has all cases.
+        """
         r = self.required
         kind = REQUIRED_DEFLECTION if REQUIRED in self.output else column_label(self.output)
         share = f"{100 * r.probability:g} % of flights, with {100 * r.confidence:g} % confidence"

@@ -317,12 +317,12 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     terms = pieces.shape[2]
     plant = batch.system.cases(np.arange(int(np.prod(batch_shape))), batch_shape)
     steps = _steps(batch, plant, terms)
-    judges = outcome_criteria(batch.plant)
+    judges = outcome_criteria(batch.plant)  # criteria of loss and survival of each plant
     criteria_index = indices_in(batch.plant.batch, batch_shape)
     cases, noise = _cases(batch, judges, criteria_index)
     h = steps.lengths[vehicle, 0]  # sample periods of the flights [s]; the others are of parts
     memory = batch.laws.memory(h)
-    if len(memory.states) > 1:
+    if len(memory.states) > 1:  # matrices for each flight, else one for all
         cases.memory[:] = np.arange(vehicle.size)
     N = steps.joint.shape[2]
     now = equilibrium(vehicle.size, len(plant.states), steps, terms, memory.states.shape[1])

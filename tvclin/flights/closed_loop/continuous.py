@@ -369,7 +369,7 @@ def first_missed_end(result: Any, ends: list[End]) -> tuple[float, Regime] | Non
     Such an end lies within a solver step, with the same sign of its event function at both sides:
     the function has a local maximum between them, which is refined, and its first zero before it is
     the end. None without such an end. `result`: solution of `solve_ivp`. `ends`: events that can
-    end the regime.
+    end the regime: `past`, positive after the end, its scale `size`, and the regime `then`.
     """
     from scipy.optimize import brentq, minimize_scalar
 

@@ -455,6 +455,7 @@ def with_outputs(
     being the states, u deflection and wind; after the end of the schedule numbers of the vehicle
     are those of the end.
     """
+    # times within the flight of this wind, and below within the schedule of the vehicle
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
     ratio = along.wind.pressure(inside)  # q/q_n encountered in the wind
     plants = FlownFlights([along]).plants_at(inside, np.zeros(inside.size, np.int64), ratio)
@@ -472,6 +473,7 @@ def with_outputs(
     outputs |= {"deflection": deflection, "deflection_rate": rates, "pressure_ratio": ratio}
     if "flight_path_angle" in outputs:
         speed = flight_variable(flight, "speed", within) * outputs["flight_path_angle"]
+        # drift rate V gamma, integrated by the trapezoidal rule
         steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(times)
         outputs["drift"] = np.concatenate([[0.0], np.cumsum(steps)])
     if flight.altitude is not None:

@@ -295,10 +295,11 @@ def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
     """
     if not np.all(decidable(flight.plant)):
         return lambda limits: np.full(limits.shape, NO_FLIGHT)
-    start = flights(flight)
+    start = flights(flight)  # arrays of the kernel at the start of the flight
 
     def status(limits: FloatArray) -> NDArray[np.str_]:
         """Return the status of flights with limits [rad], ``(n,)``."""
+        # the single row of each array, once for each limit
         cases, now = (
             (np.repeat(array, limits.size, axis=0) for array in arrays)
             for arrays in (start.cases, start.now)

@@ -79,8 +79,9 @@ class LawBatch:
         """Return the step matrices of the states of laws and filters.
 
         They are padded to the states of the law that has most; `wide` columns act on these states,
-        the sensor outputs, and the demand. Without states and filters they are empty, one for all.
-        `lengths`: lengths of the steps [s], one for each flight, ``(m,)``.
+        the sensor outputs (MEASURED), and the demand. Without states and filters they are empty,
+        one for all. A controller in state space counts as a filter. `lengths`: lengths of the steps
+        [s], one for each flight, ``(m,)``.
         """
         # `first_state` is the gain on the integral of the attitude, which a batch of gains may have
         integral = any(law is not None and law.first_state for law in self.numbers)

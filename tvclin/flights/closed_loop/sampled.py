@@ -208,13 +208,14 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     if np.any(beyond):
         first = track[np.argmax(beyond)]
         check_not_lost(float(first[-1]), first[:n])  # its last number is the time
-    at = _substeps(f, system, n, times)
+    at = _substeps(f, system, n, times)  # the substep of each time, and whether it is limited
     rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
         return Tracked(rows, None, None)
     # state n is the nozzle, after those of the plant; the first input is the command
     derivatives = system.A @ at.unlimited + system.B[:, :1] * at.command
-    before = times < at.onset
+    before = times < at.onset  # at rest
+    # rate, and below acceleration: of a limited substep its constant slope and zero
     rate = np.where(before, 0.0, np.where(at.bounded, at.slope, derivatives[n]))
     return Tracked(rows, rate, np.where(before | at.bounded, 0.0, system.A[n] @ derivatives))
 

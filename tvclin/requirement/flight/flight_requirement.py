@@ -233,8 +233,8 @@ class FlightMode:
     def judged_at(self, ends: FloatArray) -> FloatArray:
         """Return the times [s] at which flights are judged, of winds that end at `ends` [s].
 
-        That is the last unstable time where the moment changes its sign between both, since a
-        stable vehicle turns back what a wind has left, and later it is unstable again.
+        That is the last unstable time where the moment changes its sign after the end of the wind:
+        a vehicle that is stable then turns back by itself, and is unstable again later.
         """
         last_change = np.max(self.sign_changes, initial=-np.inf)
         return np.where(ends < last_change, self.last_unstable, ends)

@@ -422,7 +422,7 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
     """Return standard deviations and responses of a loop in a sounding.
 
     `wind`: the sounding's wind; its gust is placed at each flight time. The dynamic pressure
-    follows it.
+    follows it, unless it is frozen. The first response has the standard deviations too.
     """
     sign = FROZEN if loop.case.sign == FROZEN else None
 
@@ -439,7 +439,7 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
     if not responses:
         raise InputError("the gust is not known at any flight time")
     first, *_ = responses
-    means = [(0.0, response) for response in responses]  # all in flight time
+    means = [(0.0, response) for response in responses]  # offset zero: all are in flight time
     return _Responses(covariance=first, means=means, whole=lambda: first)
 
 

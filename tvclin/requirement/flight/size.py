@@ -572,7 +572,8 @@ def _arising_times(
     """Return the flight times [s] at which requirements of m fixed winds arise, ``(m,)`` each.
 
     NaN for winds that are not fixed in flight time. `placed`, `along`: winds, and requirements
-    along the flight, by flight time and wind. `bands`: dead bands.
+    along the flight, by flight time and wind. `bands`: dead bands, of which the time of the exit
+    counts; for trim and minimum it is the time of the largest trim.
     """
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():

@@ -103,12 +103,13 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
         return Table(f"{caption} [deg]{suffix}", head, rows)
 
     keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(sizing.times)]
+    # whether each wind is fixed in the flight, with a single number that needs no row
     fixed = _is_fixed(sizing, first) if wind is None else _is_fixed(sizing, first)[[wind]]
     all_fixed = fixed.all()
     tables = [] if all_fixed else [of_names("Required deflection", keys, first, validity, marks)]
     if all_fixed and fixed.size == 1:
         tables = [fixed_wind_table(sizing, wind or 0)]
-    if sizing.freezing_error:
+    if sizing.freezing_error:  # known: of the frozen requirement, over the varying one
         band = Requirement(dead_band=sizing.dead_bands[0])
         errors = [_freezing_error(sizing, band, i, wind) for i in range(sizing.times.size)]
         last, cells = (
