@@ -329,7 +329,10 @@ class _Answer:
         notes = (*linear_notes(self.peak), *limit_warnings(self.trials), LEGEND)
 
         def details() -> None:
-            """Print the tables below the answer."""
+            """Print the tables below the answer, and lines on vehicle, flight and scan of limits.
+
+            `others`: all tables of limits but the first, which is printed above.
+            """
             print_tables(*others, load_table(self.trials))
             if self.plant.structure is not None:
                 say(parts_line(self.plant.structure))

@@ -116,23 +116,25 @@ def pade_keeps_stability(
     command to the command that is fed back, H(s) = C (s - A)^-1 B; ``(..., n, n)``, ``(..., n)``
     and ``(..., n)``. `delay`: T [s].
 
-    1 + L with the exact delay is (1 + L P) (1 + H (e^(-s T)/P - 1)) up to the sign of H, so that by
-    Rouche's theorem both have as many unstable zeros where ``|H| |e^(-j omega T) - P| < 1`` on the
-    whole axis. ``|H|`` is at most the sum of ``|residue|/|j omega - pole|``, each term of which is
-    largest, in a band of frequencies, at the frequency nearest to the pole.
+    With the loop gain L without its delay, 1 + L e^(-s T) = (1 + L P) (1 + H (e^(-s T)/P - 1)) up
+    to the sign of H. With |P| = 1 on the imaginary axis, 1 + L e^(-s T) and 1 + L P have as many
+    unstable zeros, by Rouche's theorem, if ``|H| |e^(-j omega T) - P| < 1`` at all omega. ``|H|``
+    is at most the sum of ``|residue|/|j omega - pole|``, each term of which is largest, in a band of
+    frequencies, at the frequency nearest to the pole.
     """
     poles, vectors = np.linalg.eig(A)
     try:
         to_modes = np.linalg.solve(vectors, B[..., np.newaxis])[..., 0]
-    except np.linalg.LinAlgError:
+    except np.linalg.LinAlgError:  # a pole with too few eigenvectors
         return np.zeros(poles.shape[:-1], dtype=bool)
     residues = np.abs(np.einsum("...i,...ij->...j", C, vectors) * to_modes)[..., np.newaxis, :]
     poles = poles[..., np.newaxis, :]
     low, high = _BAND_EDGES[:-1, np.newaxis] / delay, _BAND_EDGES[1:, np.newaxis] / delay
+    # distance of |Im pole| from each band of frequencies [rad/s]; zero within the band
     outside = np.maximum(np.maximum(low - np.abs(poles.imag), np.abs(poles.imag) - high), 0.0)
     error_factor = factorial(order) ** 2 / (factorial(2 * order) * factorial(2 * order + 1))
-    # of P in each band, at its upper edge, and never above the sum of both sizes
+    # |e^(-j omega T) - P| in each band: largest at its upper edge, and at most 1 + |P| = 2
     errors = np.minimum(error_factor * _BAND_EDGES[1:] ** (2 * order + 1), 2.0)
-    with np.errstate(divide="ignore", invalid="ignore"):  # of poles on the axis
+    with np.errstate(divide="ignore", invalid="ignore"):  # poles on the imaginary axis
         changes = errors * np.sum(residues / np.hypot(poles.real, outside), axis=-1)
     return np.asarray(np.all(changes < _MAX_RELATIVE_CHANGE, axis=-1))

@@ -466,20 +466,21 @@ def _default_factors(locus: LocusPoles, samples: LoopSamples, radii: list[float]
 
 
 def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
-    """Return the radii [1/s] of the panels: around all poles but the delay's, and the origin.
+    """Return the radii [1/s] of one or two panels around s = 0, the outer radius first.
 
-    `samples`: the loop. `poles`: its closed-loop poles [1/s]. The inner radius reaches the poles
-    of the rigid vehicle and slow closed-loop poles; it has no panel if it is near the outer one.
+    The outer panel has all poles but the delay's; the inner one the poles of the rigid vehicle and
+    the slow closed-loop poles, and is omitted if its radius is near the outer one. `samples`: the
+    loop. `poles`: its closed-loop poles [1/s].
     """
-    order = samples.loop.form.open_poles().shape[-1]
-    sizes = np.sort(np.abs(poles))[:order]  # the largest ones are those of the delay
-    if isinstance(samples.loop, SampledLoop):  # farther left nothing is left after a few samples
+    order = samples.loop.form.open_poles().shape[-1]  # number of poles without the delay
+    sizes = np.sort(np.abs(poles))[:order]  # the poles of the delay are the largest
+    if isinstance(samples.loop, SampledLoop):  # faster poles decay within a few samples
         sizes = sizes[sizes <= _MAX_OVER_NYQUIST * float(samples.loop.max_frequency()[0, 0])]
-    highest = np.array([samples.margins.gain_increase_frequency])
+    highest = np.array([samples.margins.gain_increase_frequency])  # NaN without this margin
     corners = [*corner_frequencies(samples.loop), *sizes]
     outer = 1.2 * float(np.nanmax([*corners, *highest]))
     slow = [*np.abs(samples.airframe), *sizes[sizes < 0.25 * outer]]
-    if samples.modes:  # these have their own panel
+    if samples.modes:  # closed-loop poles of modes have their own panel
         slow = [*np.abs(samples.airframe), *highest[np.isfinite(highest)]]
     inner = 1.5 * float(max(slow, default=outer))
     return [outer, inner] if inner < 0.35 * outer else [outer]

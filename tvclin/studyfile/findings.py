@@ -300,10 +300,11 @@ def find(
 def _requests(plan: StudyPlan) -> dict[str, Any]:
     """Return the requests of a plan, each an input of its result, by field of `Findings`.
 
-    A result that the plan does not request is left out. Those of the autopilot need its design, or
-    criteria for its margins; those with a limit have the deflection limit [rad] for their request.
+    A result that the plan does not request is left out. Results of the autopilot need its design,
+    or criteria for its margins. Where a result needs the deflection limit [rad], the limit stands
+    for the request: `find` looks only whether there is a value.
     """
-    loop = plan.design or plan.criteria  # whether the autopilot is judged
+    loop = plan.design or plan.criteria  # not None where the autopilot is judged
     along = plan.sizing and (plan.sizing.scheduled_design or plan.design)
     requests = {  # None where one of several inputs, joined by "and", is None
         "trials": plan.laws,
@@ -318,6 +319,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         "rates": plan.nozzle.rate_limit and plan.nozzle.limit,
         "loads": plan.load,
         "turbulence": plan.turbulence,
+        # results at the pressure of a head wind, of which `HeadWind` has four
         "head": plan.nozzle.limit
         if loop or plan.nozzle.rate_limit or plan.load is not None or plan.turbulence is not None
         else None,

@@ -182,15 +182,16 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
 def _flight_of_a_vehicle(
     source: str | PathLike[str], winds: Mapping[str, SoundingRequest]
 ) -> StudyPlan:
-    """Return the plan of the flight of a vehicle, or of a schedule, with keys set.
+    """Return the study plan of a whole flight, of a source that may have keys of --set.
 
-    `source`: name or path of the vehicle or schedule. `winds`: soundings of the flight by name.
-    The wind of the plan counts as a pulse unless soundings stand in the place of the default wind.
+    `source`: name or path of a vehicle or flight schedule. `winds`: soundings of the flight by
+    name. The wind of the plan is a pulse at each flight time (`pulse`), unless there are soundings
+    and it is the default wind, which nobody specified.
     """
     from tvclin.ascent.schedule_file import load_schedule
 
     document, vehicle = source_tables(source), vehicle_source(source)
-    tables = _DEFAULT_TABLES | {"size": {}} | document
+    tables = _DEFAULT_TABLES | {"size": {}} | document  # [size] makes it a plan of a flight
     flight = load_schedule(vehicle) if is_schedule(vehicle) else None
     if flight is not None:  # at the largest speed, so that a gust by its speed has an angle
         fastest = float(flight.times[np.argmax(flight.vehicle.velocity)])
@@ -199,7 +200,7 @@ def _flight_of_a_vehicle(
     assert plan.sizing is not None
     soundings = {**plan.sizing.soundings, **winds}
     pulse = isinstance(plan.wind, ShapedWind)
-    if isinstance(plan.wind, ShapedWind) and soundings:
+    if isinstance(plan.wind, ShapedWind) and soundings:  # a gust is added to soundings too
         pulse = replace(plan.wind, gust=None, gust_at=None, gust_speed=None) != DEFAULT_WIND
     plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse, soundings=soundings))
     return plan if flight is None else replace(plan, vehicle=flight.vehicle)

@@ -272,7 +272,11 @@ def _worst_first(question: Question) -> tuple[int, float]:
 
 
 def _row(question: Question, answer: str) -> tuple[Line, ...]:
-    """Return the row of a question with its answer."""
+    """Return the row of a question in the table of answers, six cells.
+
+    They are its name, the answer, three cells of its measure (empty without one; required,
+    available, surplus), and the reason after the name of the required quantity.
+    """
     cells: tuple[Line, ...] = (("",),) * 3
     if question.measure is not None:
         cells = measured(f"answer.{question.name.replace(' ', '_')}", question.measure)

@@ -44,17 +44,20 @@ def switch_time(
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
 
     def excess(t: float) -> float:
-        """Return the difference of the two sides at `t` [s]; only exact terms cancel.
+        """Return c1 (1 - 2 E2 + F2) - c2 (1 - 2 E1 + F1) for a switch at `t` [s], zero by eq (C5).
 
-        Each 1 - 2 E + F is the sum of a constant and a term that moves with `t`, see `_share`.
+        Each 1 - 2 E + F is the sum of a fixed term and a term that moves with `t` (`_share`). Fixed
+        and moving terms are subtracted separately, so that equal fixed terms cancel exactly.
         """
+        # poles[0] has E1 and F1, and by eq (C5) stands with c2 = c[1]
         (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
         return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
 
+    # beyond this time the switch no longer moves either side
     last = min(horizon, _MAX_DECAY_TIMES / min(poles))
     at_start, at_end = excess(0.0), excess(last)
     if at_start == 0.0 or at_start * at_end >= 0.0:
-        return np.inf
+        return np.inf  # no sign change: no switch
     # `roots_between` finds zeros of functions that rise
     rising = lambda t, _: np.array([np.sign(at_end) * excess(float(t[0]))])  # noqa: E731
     return float(roots_between(np.zeros(1), np.array([last]), rising)[0])

@@ -290,11 +290,12 @@ class Judge:
     def _bounds(
         self, soundings: SoundingWinds, within: FloatArray, strong: bool = False
     ) -> FloatArray:
-        """Return the lower and upper bound, and the lowest limit to survive [rad], ``(3, a, n)``.
+        """Return bounds of the required deflections [rad] of n winds in a azimuths, ``(3, a, n)``.
 
-        They are of all planes, for a azimuths. `within`: heights [m] between which the n winds of
-        `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not known is strong, or
-        calm.
+        They are the lower bound, the upper bound, and the lowest limit with which a flight may
+        survive, of one or both planes by the limit shape. `within`: heights [m] between which the
+        winds of `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not known is
+        strong, or calm.
         """
         towards = []  # one array (3, n) for each azimuth
         for a in range(self.azimuths.size):

@@ -212,11 +212,12 @@ def sampled_stages(
     storage: Storage | None = None,
     surfaces: dict[Any, Surface | None] | None = None,
 ) -> Stages:
-    """Return the matrices of the loops at all samples of several flights.
+    """Return the loops of several flights at all samples, from which `Stages` makes matrices.
 
-    `flights`: sampled flights with one model, structure and autopilot but for gains. `storage`,
-    `surfaces`: memory and interpolants of earlier flights, see `Stages`. `InputError` for an
-    autopilot without a sample rate, and as `fly_many`.
+    `flights`: flights with the same model and structure, and the same autopilot but for its gains.
+    `storage`: memory to use again for the large arrays. `surfaces`: interpolants of earlier flights
+    by key, as in `Stages`; new ones are added to it. `InputError` for an autopilot without a sample
+    rate, and as `fly_many`.
     """
     first, together = flights[0], FlownFlights(flights)
     law = first.law
@@ -239,8 +240,10 @@ def sampled_stages(
         samples=samples_in(stops - starts, np.array(1.0 / rate)),
         vehicle_breaks=[flight.vehicle_breaks for flight in flights],
         breaks=[flight.breaks for flight in flights],
+        # flights of one schedule object have the same plants at the same time and pressure
         alike=[id(flight.flight) for flight in flights],
         period=1.0 / rate,
+        # a single wind becomes a batch of one
         winds=[wind if wind.batch else wind.cases(np.zeros(1, np.int64), ()) for wind in winds],
         storage=storage or Storage(),
         surfaces={} if surfaces is None else surfaces,

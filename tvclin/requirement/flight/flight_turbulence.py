@@ -504,15 +504,17 @@ def _of_pulse(loop: LoopOverFlight, rows: list[_PulseRow]) -> _Responses:
 def _largest(
     name: str, start: float, mean: CovarianceHistory, responses: _Responses, k: float
 ) -> LargestInTurbulence:
-    """Return the largest of each quantity, k standard deviations about the mean response.
+    """Return the largest value of each output over a response to a wind in turbulence.
 
-    `name`: name of the wind. `start`: flight time [s] at which the response `mean` begins.
-    `responses`: with the standard deviations over the flight, constant beyond its ends.
+    The value is the size of the mean response plus `k` standard deviations at the same flight time.
+    `name`: name of the wind. `start`: flight time [s] at which the mean response `mean` begins; its
+    times count from there. `responses`: their `covariance` has the standard deviations over the
+    flight, taken constant beyond its ends.
     """
     times, covariance = mean.times + start, responses.covariance
 
     def sizes(output: str) -> FloatArray:
-        """Return the mean size of an output plus k standard deviations, at each time."""
+        """Return the size of the mean of an output plus k standard deviations, at each time."""
         deviation = np.interp(times, covariance.times, covariance.deviation(output))
         return np.abs(mean.mean(output)) + k * deviation
 
@@ -523,7 +525,7 @@ def _largest(
         time=float(times[np.argmax(deflection)]),
         deflection_rate=float(sizes(DEFLECTION_RATE).max()) if has_rate else None,
         angle_of_attack=float(sizes(ANGLE_OF_ATTACK).max()),
-        _whole=responses.whole,
+        _whole=responses.whole,  # computed only when the travel is read
     )
 
 

@@ -192,10 +192,11 @@ def _vector(
 
 
 def _larger(values: FloatArray, needs: list[list[VectorRequirement]], value: Any) -> FloatArray:
-    """Return the larger value [rad] of planes and vector, ``(n, m)``; NaN is propagated.
+    """Return the larger deflection [rad] of single planes and wind vector, ``(n, m)``, or NaN.
 
-    `values`: of the planes, ``(n, m)``. `needs`: requirements of the wind vector, by flight time
-    and wind. `value`: function of such a requirement to its value.
+    NaN is propagated. `values`: deflections of single planes at n times in m winds, ``(n, m)``.
+    `needs`: requirements of the wind vector, a list for each time. `value`: function that returns
+    the deflection [rad] of such a requirement which is compared.
     """
     return np.asarray(np.maximum(values, [[value(vector) for vector in row] for row in needs]))
 
