@@ -215,7 +215,11 @@ class NominalFlight:
         return np.asarray(-moment / (v.control_force * v.control_arm))
 
     def vehicle_at(self, t: ArrayLike) -> Vehicle:
-        """Return the vehicle at times `t` [s], a batch of their shape."""
+        """Return the vehicle at times `t` [s], a batch of their shape.
+
+        Lift slope and axial force are proportional to the dynamic pressure, with the coefficients
+        of `vehicle`. The attitude is the path: there is no angle of attack.
+        """
         speed, path, altitude = self.states(t)
         ratio = self.pressure_ratio(speed, altitude)
         return self.vehicle.replace(

@@ -420,7 +420,7 @@ class LoadLimits:
     def _proved(self, load: float) -> tuple[float, float]:
         """Return the largest lower bound [rad] of the peak at a load [rad], and its slope.
 
-        The slope is the decrease of the bound per load; zero for the minimum deflection.
+        `lines` has bounds at load zero, and their decrease per load; the minimum has slope zero.
         """
         bounds = [(bound - slope * load, slope) for bound, slope in self.lines]
         return max([*bounds, (self.minimum_deflection, 0.0)])
@@ -616,14 +616,14 @@ def load_trade_off(
         load_bounds = angle("loads", errors.one_row("loads", loads, "rad"), "rad")
     case = load_limits(plant, wind, M, rate)
     if loads is None:
-        # ten loads, from a little above the minimum load on
+        # ten loads, from a little above the minimum to the load of the minimum deflection
         low, high = max(1.05 * case.minimum_load, 0.2 * case.load_of_minimum), case.load_of_minimum
         load_bounds = np.linspace(min(low, high), high, 10)
         if load_limit is not None:
             load_bounds = np.unique(np.append(load_bounds, load_limit))
     limits, lower_bounds, slopes = np.array(case.points_at(load_bounds)).T
     no_forecast, bounds = case.no_forecast, None
-    if no_forecast is not None:
+    if no_forecast is not None:  # below the least load without a forecast no limit is sufficient
         bounds = np.maximum(lower_bounds, no_forecast)
         bounds[load_bounds < case.no_forecast_load] = np.inf
     front = LoadTradeOff(

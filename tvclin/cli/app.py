@@ -181,6 +181,7 @@ class Commands(TyperGroup):
             """Print a warning on stderr."""
             _say(f"Warning: {sentence}")
 
+        # `machine` warnings, of this computer and not of the case, are printed too
         with _input_errors_as_messages(ctx), pass_warnings(tell, machine=tell), notes_last():
             return super().invoke(ctx)
 

@@ -294,7 +294,10 @@ class _Answer:
     bounds: dict[str, Bounds]
 
     def document(self, cuts: int) -> dict[str, Any]:
-        """Return the document of the answer for JSON."""
+        """Return the document of the answer for JSON.
+
+        `cuts`: number of instants at which each wind is also flown with a sudden end.
+        """
         trims = {name: entry.trim_deg for name, entry in self.bounds.items()}
         return {
             "vehicle": self.case.vehicle.name,

@@ -388,9 +388,10 @@ def _flown_limits(case: StudyPlan) -> FlownTradeOff:
 
 
 def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
-    """Return the deflection limit over the load, with the largest load of laws by their names.
+    """Return the answer on deflection limit over load, with flights of laws by their `names`.
 
-    `title`: vehicle and wind, above the table.
+    `title`: vehicle and wind, above the table. It is satisfied if the trade-off has no objection to
+    the limit or load that is given (its verdict is empty), and all flights survive within the load.
     """
     from tvclin import plots
 

@@ -74,8 +74,8 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
     """Return a command with the option --set, which edits keys of its study or vehicle file.
 
     `name`: name of the command. A command that reads no such file is returned unchanged. The option
-    stands before the options of the output; typer reads it from the signature. An azimuth is set in
-    the source too, for the winds of its file that have a direction.
+    stands before the options of the output; typer reads it from the signature. The command's option
+    azimuth_deg, if it has one, is set in the source too, for winds that have a direction.
     """
     parameters = signature(command).parameters
     source = next(filter(None, map(_source_name, parameters.values())), None)
@@ -88,7 +88,7 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
         settings = pairs(values.pop(_PARAMETER) or ())
         if settings:
             values[source] = _edited(values[source], settings)
-        azimuth = values.get("azimuth_deg")  # of availability it is a list of another name
+        azimuth = values.get("azimuth_deg")  # the azimuths of `availability` are another option
         if azimuth is not None and values[source] is not None:
             values[source] = _with_azimuth(values[source], settings, azimuth)
         command(**values)

@@ -475,7 +475,8 @@ def _notes(
 def _refusal(problem: GainProblem, point: FloatArray) -> str:
     """Return the sentence that no gains satisfy the criteria, with the nearest gains and bounds.
 
-    `point`: the nearest gains in the unit box of the problem, ``(axes,)``.
+    It names the margin whose relative shortfall is largest. `point`: the nearest gains in the unit
+    box of the problem, ``(axes,)``.
     """
     autopilot = problem.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(problem.plant))
@@ -489,6 +490,7 @@ def _refusal(problem: GainProblem, point: FloatArray) -> str:
         for criterion in problem.criteria.limits
         if criterion.margin in MARGINS
     ]
+    # NaN, of a margin that is not defined, counts as the largest shortfall
     fraction, worst = max(shortfalls, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
     if not margins.stable:
         text += " are unstable"

@@ -293,7 +293,8 @@ class PlanarCase:
     def flown(self, command: Command, limit: float) -> Solution:
         """Return the flight of a nozzle command from equilibrium, within a deflection limit [rad].
 
-        `InputError` for noise, and a rate limit without an actuator.
+        The command is a history of the deflection, or a law, which flies in a closed loop with
+        actuator and rate limit [rad/s]. `InputError` for noise, and a rate limit without actuator.
         """
         control, actuator, rate_limit = command.control, command.actuator, command.rate_limit
         if isinstance(control, History):
@@ -309,7 +310,7 @@ class PlanarCase:
         motion = replace(self.motion, sensors=law.lateral_sensors)
         loop = Loop(motion, law, limit=limit, rate_limit=rate_limit, actuator=actuator)
         flight = ContinuousFlight(loop, self.wind, MAX_ATTITUDE)
-        arcs = flight.arcs(*self.span)
+        arcs = flight.arcs(*self.span)  # solutions between events
         return self._ended(arcs, lambda times: flight.rows(arcs, times))
 
     def _by_history(self, control: History, limit: float) -> Solution:

@@ -231,7 +231,7 @@ class SystemPlant(Plant):
         The batch of the plant broadcasts to this shape. A scalar position returns a single plant.
         """
         c = self._coefficients
-        if c is not None:
+        if c is not None:  # selected by `Plant`, which selects cases of coefficients
             c = Plant(c, "fixed-path").cases(index, shape).coefficients
         return self._changed(self._system.cases(np.asarray(index), shape), c)
 

@@ -114,13 +114,15 @@ def _write(
 ) -> None:
     """Write the values of interpolants at the times of R runs into arrays ``(n, elements)``.
 
-    `columns`: begin of the elements of each array among those of all, and the end of the last,
-    ``(arrays + 1,)``. `times`: ``(n,)``. `first`: values at the first Chebyshev point of each run,
+    `columns`: first column of each array in `first` and `changes`, where all arrays stand side by
+    side, and the end of the last, ``(arrays + 1,)``. `times`: ``(n,)``. `runs`: slices of the times
+    in one interval each. `first`: values at the first Chebyshev point of each run,
     ``(R, elements)``. `changes`: differences at all points from these, ``(R, degree + 1,
     elements)``.
     """
     angles = [_angles(times[run], *times[run][[0, -1]]) for run in runs]
     lengths = np.cumsum([run.stop - run.start for run in runs])
+    # the empty array is for no run at all; `split` adds an empty last part, which `zip` drops
     factors = _factors(changes.shape[1] - 1, np.concatenate([*angles, np.empty(0)]))
     for k, (run, of_run) in enumerate(zip(runs, np.split(factors, lengths), strict=False)):
         for array, low, high in zip(arrays, columns[:-1], columns[1:], strict=True):

@@ -75,8 +75,9 @@ def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Moti
     """Return the motions of x' = A x + B f from zero initial states, one for each input f.
 
     `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree, so
-    that one matrix M moves all of them. The exponentials over pieces of equal width are computed
-    once. A piece begins with the states of x at its end before, and with its own input.
+    that all have the same matrix M (`piece_matrix`) of the states [x, z], z being the input's. A
+    piece starts with x at the end of the piece before, and with z of its own input. The
+    exponentials over pieces of equal width are computed once.
     """
     order, matrix = len(A), piece_matrix(A, B, inputs[0])
     widths = [np.diff(pieces.knots) for pieces in inputs]

@@ -119,8 +119,8 @@ def pade_keeps_stability(
     With the loop gain L without its delay, 1 + L e^(-s T) = (1 + L P) (1 + H (e^(-s T)/P - 1)) up
     to the sign of H. With |P| = 1 on the imaginary axis, 1 + L e^(-s T) and 1 + L P have as many
     unstable zeros, by Rouche's theorem, if ``|H| |e^(-j omega T) - P| < 1`` at all omega. ``|H|``
-    is at most the sum of ``|residue|/|j omega - pole|``, each term of which is largest, in a band of
-    frequencies, at the frequency nearest to the pole.
+    is at most the sum of ``|residue|/|j omega - pole|``, each term of which is largest, in a band
+    of frequencies, at the frequency nearest to the pole.
     """
     poles, vectors = np.linalg.eig(A)
     try:

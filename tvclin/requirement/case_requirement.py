@@ -199,7 +199,7 @@ class CaseRequirement:
         return self.required_deflection / nominal if nominal else 1.0
 
     def required_at(self, size: float) -> float:
-        """Return the required deflection [rad] in `size` times this wind.
+        """Return the required deflection [rad] in `size` times this wind, in its worse direction.
 
         Infinite for a wind that turns the path so far that it has no dynamic pressure. `InputError`
         for a size that is not between 1e-9 and 1e9.

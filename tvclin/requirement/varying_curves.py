@@ -265,8 +265,9 @@ class Curves:
         return np.where(self.has_two_signs, np.nan, limit), time
 
     def trim_ratios(self, dead_band: float) -> FloatArray:
-        """Return trim over K [rad] at begins of steps and the end of the last, ``(n, S + 1)``.
+        """Return trim over K [rad] of n winds, ``(n, S + 1)``, at S begins of steps and the end.
 
+        The samples of `trim` are begin, middle and end of each step.
         `dead_band`: K, above zero. The dead band can be left only where trim is at a new maximum:
         the ratio is infinite elsewhere, and NaN after the step of the last maximum, where minimum
         peaks of control need not be known.

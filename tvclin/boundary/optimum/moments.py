@@ -84,7 +84,11 @@ class Constraints:
         return self.real_rows(-column * np.exp(-column * u))
 
     def moments(self, knots: FloatArray) -> FloatArray:
-        """Return the integrals [s] of the poles' exponentials between `knots` [s], ``(n, k)``."""
+        """Return the integrals [s] of the exponentials e_i between `knots` [s], ``(n, k)``.
+
+        n are the real rows of `real_rows`, two for a complex pair; `knots`: ``(k + 1,)``, rising,
+        the last of which may be infinite.
+        """
         column = self.poles[:, np.newaxis]
         width = np.diff(knots)
         endless = np.isinf(width)
@@ -122,13 +126,13 @@ class Constraints:
 
 
 def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> Constraints:
-    """Return the conditions of `poles` ``(m,)``, one per conjugate pair, with their demands.
+    """Return the conditions of `poles` [1/s] ``(m,)``, one per conjugate pair, with their demands.
 
     `demands`: d [rad s] of each pole, ``(m,)``, complex for a pair. `horizon`: time [s] after which
     the deflection is zero; infinite if never.
     """
-    bare = Constraints(poles, np.zeros(0), horizon)
-    return Constraints(poles, bare.real_rows(demands), horizon)
+    without_demands = Constraints(poles, np.zeros(0), horizon)  # knows which poles are pairs
+    return Constraints(poles, without_demands.real_rows(demands), horizon)
 
 
 def constraints_of(

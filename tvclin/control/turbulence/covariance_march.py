@@ -267,9 +267,10 @@ def march_times(
 
 
 def _sample_steps(jump: Jump) -> FloatArray:
-    """Return the lengths [s] of the steps in the interval ahead of a jump, ``(steps,)``.
+    """Return the lengths [s] of the steps in the interval before a jump, ``(steps,)``.
 
-    They are equal, and 0.01 s at most.
+    They are equal, and 0.01 s at most. `jump`: jump of the states at a sample of the loop, with the
+    length of the interval before it.
     """
     count = max(int(np.ceil(jump.length / _STEP_BETWEEN_SAMPLES_S - 1e-9)), 1)
     return np.full(count, jump.length / count)

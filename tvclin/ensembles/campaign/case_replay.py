@@ -260,10 +260,11 @@ class Replay:
         end = float(wind.end) + (_FLOWN_TIME_CONSTANTS / float(poles.max()) if poles.size else 0.0)
         samples = np.arange(int(np.ceil((end - begin) * rate)) + 1)
         return fly(
-            replayed.batch.flying,
+            replayed.batch.flying,  # the flexible plant, if the vehicle has a structure
             replayed.law,
             wind,
             begin + samples / rate,
+            # of both planes each has a share of the limit shape
             deflection_limit=self.campaign.nozzle.limit * replayed.share,
             **hardware,
         )

@@ -333,13 +333,14 @@ def _winds_along(
     """Return the wind of a case along its flight, once for each of its possible directions.
 
     `flight`: dispersed flight of the case. `wind`: its wind in the plane of the campaign [rad].
-    `values`: its dispersed values by name, with the index of a sounding under "wind".
+    `values`: its dispersed values by name, with the index of a sounding under "wind". A sounding
+    and a history over flight time have one direction, a pulse may be a head and a tail wind.
     """
     plane, sign = campaign.plane, campaign.sign
     if isinstance(campaign.wind, SoundingEnsemble):
         sounding = campaign.wind.soundings[int(values.get("wind", 0))]
         return [wind_along(flight, sounding, plane, sign)]
-    if not isinstance(campaign.wind, ShapedWind):
+    if not isinstance(campaign.wind, ShapedWind):  # a history, whose sign is its direction
         wind_sign = FROZEN if not uses_encountered_pressure(sign) else None
         if wind_sign is None and plane == "pitch":
             wind_sign = "tail" if float(wind.peak) > 0.0 else "head"
@@ -348,6 +349,7 @@ def _winds_along(
     # the window, of 1 s here, is not used for a wind placed by its peak
     placed = place(wind, campaign.vehicle, time, placing=PEAK, window=1.0).in_flight
     directions = directions_of(campaign) or (FROZEN,)
+    # in yaw a wind is a cross wind, for which `wind_along` takes no direction
     signs = [name if name == FROZEN or plane == "pitch" else None for name in directions]
     return [wind_along(flight, placed, plane, name) for name in signs]
 

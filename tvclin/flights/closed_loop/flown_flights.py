@@ -111,10 +111,12 @@ class FlownFlight:
     def further(self) -> FlownFlight | None:
         """The same flight with a later end, at which it can be settled; None if it cannot go on.
 
-        It cannot in a wind that lasts as long as it is known, nor with a vehicle whose flights have
-        no outcome (`decidable`). The end is six settling times after the wind.
+        It cannot with a given end (`goes_on` is False), in a wind that lasts as long as it is
+        known, and with a vehicle whose flights have no outcome (`decidable`). The end is six
+        settling times after the wind, and limited by a number of samples.
         """
-        end = float(np.max(self.wind.history.end))  # `known`: first and last known time [s] of it
+        end = float(np.max(self.wind.history.end))  # [s]
+        # `known`: first and last time [s] at which the wind is known
         if not self.goes_on or not end < self.wind.known[1]:
             return None
         last, _ = self.loops(np.array([self.flight.span[1]]))  # plants at the schedule's end

@@ -276,8 +276,9 @@ class FlightMode:
 
         See `has_quick_path`: the flight path is unstable, or about as fast as the attitude.
         """
-        rows = self._rows[self._rows <= self.last_unstable]
-        plants = self.schedule.plants(rows, self.model, self.plane)
+        # times [s] of the schedule up to the last one with a real unstable pole
+        times = self._rows[self._rows <= self.last_unstable]
+        plants = self.schedule.plants(times, self.model, self.plane)
         return bool(np.any(has_quick_path(plants)))
 
     @cached_property
