@@ -104,7 +104,7 @@ class LoadTradeOff(TradeOff):
         Lower bound [rad] of laws that survive if the wind stops for good at any instant,
         ``(n,)``; None for a wind that changes its sign.
     minimum_deflection, load_of_minimum : float
-        Minimum deflection [rad] at any load, and the load [rad] of its control.
+        Minimum deflection [rad] without a load limit, and the load [rad] of its control.
     minimum_load, no_forecast_load : float
         Minimum load [rad] of a computed control at any deflection, and a lower bound [rad] of the
         load without a forecast.
@@ -113,7 +113,7 @@ class LoadTradeOff(TradeOff):
     limit, load : float or None
         Limit of the nozzle and load limit of the structure [rad].
     lower_bound : float
-        Required limit [rad] at that load, or at any.
+        Required limit [rad] at that load limit, or without one.
     required_load : float
         Minimum load [rad] of a control with that limit, or with any; infinite without one.
     angle : float
@@ -160,9 +160,8 @@ class LoadTradeOff(TradeOff):
     def above_lower_bound(self) -> bool | None:
         """Whether the limit is on the trade-off with the wind known, or above.
 
-        The trade-off lies between a proved bound and `lower_bound`, the limit of a computed
-        control: None for a limit between both, and without a limit unless no limit is sufficient.
-        A limit below the trade-off is never sufficient; a higher one may be too small for a law.
+        It lies between a proved bound and `lower_bound`, the limit of a computed control: None for
+        a limit between both, and without a limit unless no limit is sufficient.
         """
         if self.beyond_linear:
             return None
@@ -247,8 +246,8 @@ class LoadLimits:
 
     The peak is the largest deflection, and the load the largest ``|alpha + M delta|`` under it; the
     minimum peak is convex over the load. `case`: plant and wind with M (`ratio`), rate limit, and
-    the deflection of minimum peak at any load, the `reference`. `minimum_deflection`: lower bound
-    [rad] of the limit at any load. `program`: linear program on the first nodes. `no_forecast`:
+    the deflection of minimum peak without a load limit, the `reference`. `minimum_deflection`: the
+    peak's lower bound [rad] then. `program`: linear program on the first nodes. `no_forecast`:
     lower bound [rad] without a forecast, or None. A line says that no deflection has a peak below
     bound - slope load.
     """
@@ -274,7 +273,7 @@ class LoadLimits:
 
     @cached_property
     def load_of_minimum(self) -> float:
-        """Load [rad] of the reference deflection, which has minimum peak at any load."""
+        """Load [rad] of the reference deflection, of minimum peak without a load limit."""
         return float(np.abs(self.program.reference_load).max())
 
     @cached_property
@@ -486,9 +485,9 @@ class LoadLimits:
 def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadLimits:
     """Return the points and bounds of `load_trade_off` before any linear program is solved.
 
-    They are the minimum deflection at any load and, without a rate limit, the point (load, peak) of
-    its control. `plant`, `wind`: one each. `ratio`: M of the load alpha + M delta. `rate`: rate
-    limit [rad/s]; infinite if none. `InputError` for one with which no deflection survives.
+    They are the minimum deflection without a load limit and, if no rate limit is given, the point
+    (load, peak) of its control. `plant`, `wind`: one each. `ratio`: M of the load alpha + M delta.
+    `rate`: rate limit [rad/s] or infinite; `InputError` where no deflection survives with it.
     """
     # what is no single wind with an onset is refused by `optimum_deflection`
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0
