@@ -459,8 +459,7 @@ class LoadLimits:
         if not self.case.ratio and np.isinf(self.case.rate):
             # without M the load is the angle of attack: a constant deflection must reduce it
             free, change_per_deflection = self._responses
-            required = (np.abs(free) - load) / change_per_deflection  # [rad]
-            floors[TURN] = float(np.max(required, initial=0.0))
+            floors[TURN] = float(((np.abs(free) - load) / change_per_deflection).max(initial=0.0))
         labels = (k for k, floor in floors.items() if limit <= floor * (1.0 + _RELATIVE_TOLERANCE))
         return next(labels, BOTH)
 

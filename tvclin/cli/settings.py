@@ -84,7 +84,10 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
 
     @wraps(command)
     def run(**values: Any) -> None:
-        """Run the command with keys of --set, and the azimuth, in its source."""
+        """Run the command; its source has the keys of --set, and the azimuth of an option.
+
+        `values`: arguments of the command by name, of which `source` is the name of its source.
+        """
         settings = pairs(values.pop(_PARAMETER) or ())
         if settings:
             values[source] = _edited(values[source], settings)

@@ -238,13 +238,12 @@ class StateLoop:
     ) -> Self:
         """Return the loops of A ``(k, n, n)``, B and C ``(k, n)``, D and delay [s] ``(k,)``.
 
-        The states are scaled by powers of two until rows and columns of A have similar norms. Poles
-        and residues come from eigenvectors; a pole that is zero to rounding becomes exactly zero,
-        as do several that a repeated integrator is split into.
+        The states are scaled by powers of two until rows and columns of A have similar norms. A
+        pole that is zero to rounding, or of a split repeated integrator, becomes exactly zero.
         """
         from scipy.linalg import eig, lapack  # late: it takes 0.1 s to import
 
-        scales = np.ones(B.shape)
+        scales = np.ones(B.shape)  # of the states
         for k in range(len(A)):
             scales[k] = lapack.dgebal(A[k], scale=1)[3]
         A = A * scales[:, np.newaxis] / scales[:, :, np.newaxis]

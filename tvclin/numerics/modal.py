@@ -51,6 +51,7 @@ def residues(
         shifted = Pieces(pieces.knots - start[..., np.newaxis], pieces.coefficients, pieces.rates)
         terms.append(gain * _at_poles(laplace, shifted, poles))
         sizes.append(np.abs(gain) * _at_poles(magnitude, shifted, poles))
+        # e^x of a rounded x has a relative error of x roundings, and a sum adds about sqrt(n)
         last = np.abs(shifted.knots[..., -1])[..., np.newaxis]
         exponent = np.minimum(np.abs(poles) * last, _UNDERFLOW_EXPONENT)
         roundings = roundings + exponent + np.sqrt(shifted.knots.shape[-1])

@@ -419,7 +419,8 @@ def _autopilot(findings: Findings, limit: float) -> Question:
 
     `findings`: results of a plan with an autopilot. `limit`: deflection limit [rad]. The comparison
     has the autopilot in the wind without a stop, with its peak deflection, rate and angle of
-    attack; the requirement is the smallest stop [rad] with which its flight survives.
+    attack; the requirement is the smallest stop [rad] with which its flight survives, and where
+    none can be flown, sufficient is a limit that the autopilot never reaches.
     """
     name, c = "autopilot", findings.comparison
     if c is None:
@@ -439,7 +440,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     if rate > max_rate:
         free += (", at ", *degrees("answer.rate", rate, unit="deg/s"))
     requirement = findings.autopilot_requirement
-    if requirement is None:  # it cannot be flown: sufficient is what the loop never exceeds
+    if requirement is None:
         within = True if covers(limit, peak) and rate <= max_rate else None
         why: Line = (f"{_reason(findings, 'stop')}; ", *free)
         return Question(name, within, why, required_deflection=peak, whose=whose)

@@ -94,9 +94,9 @@ def turbulence_of_levels(rows: Sequence[Any], spectrum: str, component: str) -> 
 
 
 def _fit(headings: Headings) -> float:
-    """Return how well the headings of a line fit: the number of known columns among them.
+    """Return how many columns of turbulence the headings of a line name: most in the header.
 
-    Zero unless altitude and intensity are among these.
+    Zero unless altitude and intensity are among them.
     """
     names = {name for name, _ in map(_column, headings)} - {None}
     return float(len(names)) if {"altitude", "intensity"} <= names else 0.0

@@ -86,7 +86,10 @@ class RecoverableAttitudeLaw(Law):
     estimator: WindEstimator | None = field(default=None, metadata=spec())
 
     def __post_init__(self) -> None:
-        """Check the numbers; warn of an estimator slower than the unstable mode."""
+        """Check the numbers and the plant; warn of an estimator slower than the unstable mode.
+
+        A plant without measurable unstable modes raises `InputError`.
+        """
         modes = measured_coordinates(self.plant)
         checked(self, "reach", "trust", "gain", "dead_band", "rate_limit", "design_peak")
         if self.design_peak is not None:

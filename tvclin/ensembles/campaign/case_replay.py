@@ -229,6 +229,7 @@ class Replay:
             (k, significant(f"input.{k}", v, 7, self.units.get(k, "")))
             for k, v in self.inputs.items()
         )
+        # `capability`: limit of the response over the requirement, one being the boundary
         reference = "on the boundary"
         if self.planes and self.capability < 1.0:
             reference = f"with the limit, {100.0 * self.capability:.3g} percent of the requirement"

@@ -230,7 +230,7 @@ class Prediction:
         """
         self._readers, self._step = readers, step
         self._lateral = LateralMotion(sensors, step) if sensors.signals else None
-        if self._lateral is not None:
+        if self._lateral is not None:  # the first move, without forces, gives it the speed
             self._lateral.move(0.0, readers.lateral()[0], 0.0, 0.0)
         self._attitude, self._path = readers.angles()
         self._rate, self._acceleration = readers.rates()
