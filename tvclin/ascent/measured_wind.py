@@ -295,6 +295,7 @@ def unknown_between(wind: MeasuredWind | MeasuredPlanes, first: float, last: flo
     """
     begin, end = wind.known
     if first < begin or end < last:
+        # rounded inwards to 0.01 s, so that the times printed are known
         low, high = np.ceil(100.0 * begin) / 100.0, np.floor(100.0 * end) / 100.0
         return f"the wind is known from {low:.10g} to {high:.10g} s alone"
     gaps = wind.gaps.between(first, last)

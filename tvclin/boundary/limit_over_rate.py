@@ -538,7 +538,7 @@ class _Case:
         if poles.size > 2 or not self.constraints.real or d == 0.0:
             return False
         p, q = poles
-        v = min(rate, float(np.sqrt(c * d)))
+        v = min(rate, float(np.sqrt(c * d)))  # reached in a motion by d that also comes to rest
         worth = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)  # (v/q) f(q v/c)
         demand = q * demands[1] * np.sign(demands[0])
         later = (-np.expm1(-q * d / v) - demand / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)

@@ -216,6 +216,7 @@ def _requirement_after_trim(
             t = float(brentq(excess, times[k - 1], t, xtol=1e-12))
         separate = []  # the minimum peak of each plane separately
         for plane in (0, 1):
+            # z: constant deflection from t on that each mode requires, after trim up to t
             poles, z = pair.poles[plane][np.newaxis], pair.mode_demands(plane, t, True)[np.newaxis]
             separate.append(float(peaks_for_demands(poles, z / poles)[0]))
         corners = [complex(separate[0], sign * separate[1]) for sign in (1.0, -1.0)]
@@ -332,7 +333,10 @@ def _dead_band_exit(
     times = pair.times()
 
     def margin(t: FloatArray, floor: float = 0.0) -> FloatArray:
-        """Return gauge of the driver, or `floor`, minus K times that required after `t` [rad]."""
+        """Return the driver's gauge, or `floor` [rad] if larger, minus K times the required gauge.
+
+        The required one is of the constant deflection from `t` [s] on.
+        """
         driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
 
@@ -346,13 +350,14 @@ def _dead_band_exit(
         trims = pair.trim(times)
         return complex(trims[np.argmax(limit_shape.gauge(trims))]), np.nan, NO_EXIT
     first, last = records[short[-1]], records[short[-1] + 1]
+    # between both records the driver may fall: the largest height so far stays the exit's level
     floor, span = float(heights[first]), times[first : last + 1]
     for _ in range(_GRID_REFINEMENTS):  # the last rise through zero, in steps between each two
         low = np.flatnonzero(margin(span, floor)[:-1] < 0.0).max(initial=0)
         span = np.linspace(span[low], span[low + 1], _GRID_POINTS)
     b = span[-1]
-    deflection, driver = pair.required_constant(np.asarray([b])), margin(np.asarray([b]))[0]
-    jumped = driver < -_RELATIVE_JUMP * floor
+    deflection, height = pair.required_constant(np.asarray([b])), margin(np.asarray([b]))[0]
+    jumped = height < -_RELATIVE_JUMP * floor
     return complex(deflection[0]), float(b), JUMP if jumped else OK
 
 
@@ -474,7 +479,11 @@ def plane_limit(
 
 
 def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str) -> PlaneLimit:
-    """Return the limit of one `pair` of plants and wind, at the dead band `K` and exit `switch`."""
+    """Return the limit of one `pair` of plants and wind, at the dead band `K` and exit `switch`.
+
+    `switch`: "literal" for the exit on trim; else on the wind, which on a fixed path is the same.
+    Ratios are to B alpha_w,max; `y` of the requirement is this ratio where it is exact.
+    """
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
     requirement = two_plane_requirement(pair, limit_shape, (K,), literal)[0]
     pitch_only = requirement.limit  # of the wind's pitch component alone

@@ -112,6 +112,7 @@ class FlightComparison:
         if last_attitude is None or samples.shape[1] < 2:
             return peak
         before, last = samples[:, -2], samples[:, -1]
+        # steps from the last sample to that attitude, on a line through the last two
         beyond = (last_attitude - abs(last[0])) / (abs(last[0]) - abs(before[0]))
         return max(peak, float(abs(last[row] + beyond * (last[row] - before[row]))))
 

@@ -488,7 +488,7 @@ def _figure(
     vehicle = load_vehicle(name)
     columns = [
         column
-        for letter, K in zip("abcdefghij", fractions, strict=False)
+        for letter, K in zip("abcdefghij", fractions, strict=False)  # ten panels at most
         for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, engine)
     ]
     c = Coefficients.from_vehicle(vehicle)

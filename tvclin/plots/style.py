@@ -421,7 +421,7 @@ def draw_marks(axes: "Axes", marks: Sequence[Mark]) -> list[Any]:
         lines += axes.plot(
             mark.x, mark.y, mark.shape, ls="", ms=_MARK_SIZE, label=label, clip_on=False, **style
         )
-        lines[-1].set_clip_on(not mark.inside(axes))
+        lines[-1].set_clip_on(not mark.inside(axes))  # whole on the edge, hidden outside
     return lines
 
 

@@ -78,6 +78,7 @@ def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
         values[NO_FORECAST] = trade_off.no_forecast_bounds
     if trade_off.limit is not None and trade_off.rate_limit in trade_off.rates:
         values[_NOZZLE] = np.where(trade_off.rates == trade_off.rate_limit, trade_off.limit, np.nan)
+    # `_broken`: NaN in place of infinity, so that the curve has a gap
     columns = [Column(name, np.degrees(_broken(angles)), "deg") for name, angles in values.items()]
     words, rates = "minimum deflection over the rate limit", np.degrees(trade_off.rates)
     return Curves("rates", words, "rate limit [deg/s]", rates, tuple(columns))

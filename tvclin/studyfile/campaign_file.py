@@ -402,7 +402,10 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
 
 
 def _check_keys(table: FileTable, keys: Mapping[str, Any]) -> None:
-    """Raise `InputError` for keys that belong to another table, and name that table."""
+    """Raise `InputError` for keys that belong to another table, and name that table.
+
+    All are collected first, and raised together. A key of no table is left to the reader.
+    """
     faults = Faults()
     for key in keys:
         homes = [other.heading for other in TABLES if key in other.every_key]

@@ -293,6 +293,7 @@ def _newton(current: SignedSum) -> SignedSum:
     """
     for _ in range(_NEWTON_STEPS):
         step = _newton_step(current)
+        # logarithmic, then plain; None for a step that does not reduce the residual
         trials = (_shortened(current, step, geometric) for geometric in (True, False))
         trial = next((trial for trial in trials if trial is not None), None)
         if trial is None:

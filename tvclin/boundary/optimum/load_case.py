@@ -147,6 +147,7 @@ class LoadCase:
         modes: z is summed from node to node, unstable ones backward from their final state, and
         from the node to each point of the cell.
         """
+        # x: fractions of a cell
         n, unstable, x = widths.size, self.unstable, np.linspace(0.0, 1.0, reference_load.shape[1])
         column, (start, end) = widths[:, np.newaxis], ends[:, :, np.newaxis]
         decay, weight, end_weight = convolution_weights(self.rates, column)
@@ -163,6 +164,7 @@ class LoadCase:
         load = reference_load + self.ratio * value
         for i in range(unstable.size):
             distance = 1.0 - x if unstable[i] else x
+            # decay to the point, and weights of the deflection there and at the node
             fade, close, beyond = convolution_weights(self.rates[i], column * distance)
             z_from, origin, sign = (z[1:, i], end, -1.0) if unstable[i] else (z[:-1, i], start, 1.0)
             added = sign * self.sizes[i] * (close * value + beyond * origin)

@@ -165,7 +165,7 @@ class LoadProgram:
         from scipy import sparse
 
         case, n = self.case, self.widths.size
-        first, last = self._levels
+        first, last = self._levels  # from the variables to the deflection at starts, ends of cells
         decay, start_weights, end_weights = convolution_weights(
             case.rates, self.widths[:, np.newaxis]
         )
@@ -217,12 +217,13 @@ class LoadProgram:
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
         """Return inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
 
-        `aim`: the last variable, minimised, `PEAK` or `LOAD`. `bound`: of the other [rad].
+        `aim`: the last variable, minimised, `PEAK` or `LOAD`. `bound`: of the other [rad]. While
+        the load is minimised, it bounds deflections in wide cells (`_static_bounds`).
         """
         from scipy import sparse
 
-        loads, high, low = self._loads
-        count, unknowns = loads.shape[1], self._variables
+        loads, high, low = self._loads  # rows, and the load without the variables at its extremes
+        count, unknowns = loads.shape[1], self._variables  # the first variables are deflections
 
         def under(rows: Any, minimised: bool) -> Any:
             """Return sparse `rows`, from which the last variable is subtracted if `minimised`."""

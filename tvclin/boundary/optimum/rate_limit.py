@@ -327,6 +327,7 @@ def minimum_peak_at_rate(
     `constraints`, `unlimited`: conditions of the case, and its `optimum_deflection`, from `start`
     [s] on. The tolerance of a linear program, 1e-7 of the peak, is added to it.
     """
+    # `peak`: over the peak without a rate limit, on nodes that are refined until it is constant
     _, peak, _ = _refined(constraints, unlimited, start, rate, _STEPS)
     return peak * unlimited.peak * (1.0 + _ACTIVE_DISTANCE)
 

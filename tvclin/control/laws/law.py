@@ -212,7 +212,10 @@ class FilteredLaw(Law):
     rate_filters: tuple[Filter, ...] = field(default=(), metadata=spec())
 
     def __post_init__(self) -> None:
-        """Check law and filters, and take the switching levels of the law."""
+        """Check law and filters, and take `engage` and `release` of the law: its switching levels.
+
+        They are ratios of the demand to the limit at which the full limit begins and ends.
+        """
         instance("law", self.law, Law, "such as TrimLaw")
         if any(self.law.chains):
             raise InputError("law has filters already; give all of them to one FilteredLaw")

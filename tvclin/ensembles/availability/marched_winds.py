@@ -131,7 +131,9 @@ class PlaneMarch:
 
         They are equal unless flights of the trim law decide (`time_varying.decided_by_flights`),
         which are not flown here. Only where the law may diverge without any limit is it flown so,
-        and the upper bound is infinite where it does.
+        and the upper bound is infinite where it does. With a quick path (b1 negative, or a second
+        pole comparable with the fastest) or a moment of changing sign no multiple of the limit
+        bounds what a flight requires.
         """
         stepped = self.stepped(winds)
         equations, march = stepped.equations, stepped.curves()  # trim and demand over time

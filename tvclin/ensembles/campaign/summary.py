@@ -237,6 +237,7 @@ class CampaignSummary(Shown):
     def _rows(self) -> list[Row]:
         """Return the rows of the answer with its drivers."""
         results, flights = self.results, self.results.flights
+        # labels of the estimate, and of the upper bound with its confidence
         of_cases, of_flights = shares(self.required.probability, self.required.confidence)
         done = f"{results.cases} of {results.campaign.cases}"
         rows: list[Row] = [("cases", (done if results.complete else f"{done}, unfinished",))]

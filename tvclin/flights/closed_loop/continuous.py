@@ -527,6 +527,7 @@ class ContinuousFlight:
         """
         starts = np.array([arc.start for arc in arcs])
         index = np.searchsorted(starts, times, side="right") - 1
+        # the whole wind: solutions between events have one smooth piece of it each
         loop, order = replace(self.loop, gust=self.wind), self.loop.order
         rows = np.zeros((order + 1, times.size))
         for k in np.unique(index[index >= 0]):

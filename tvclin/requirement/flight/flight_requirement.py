@@ -285,7 +285,7 @@ class FlightMode:
     def paired_times(self) -> FloatArray:
         """Times [s] at which the fastest unstable poles are a pair or equal, ``(r,)``.
 
-        They are among the times of the schedule, with even ones in long intervals between.
+        They are among `_rows`, the times of the schedule, with even ones in long intervals between.
         """
         times = self._rows[self._rows <= self.last_unstable]
         _pole, paired = leading_pole(self.schedule.plants(times, self.model, self.plane))

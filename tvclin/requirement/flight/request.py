@@ -457,6 +457,7 @@ class SizingRequest:
             """Return the case of a flight time [s] in pulse number k."""
             return self.at(case, time, pulses[k])
 
+        # with a requirement of each pulse and time as a head and as a tail wind, at its pressure
         with repeated(result.known.size):
             return with_directions(result, len(pulses), at, self._mode(case, result))
 

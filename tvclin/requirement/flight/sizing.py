@@ -172,6 +172,7 @@ class Sizing(Tabled):
         }
 
     def _repr_html_(self) -> str:
+        """Return a card for notebooks: the largest of each requirement, with its time and wind."""
         span = f"{self.times[0]:.6g} to {self.times[-1]:.6g} s"
         name = self.schedule.vehicle.name or "Sizing"
         title = f"{name}, {self.model}, {PLANE_TEXTS[self.plane]}: {span}, the largest"
