@@ -234,6 +234,7 @@ class FlightSchedule(Shown):
         frequency, damping = self.actuator_at(times) or (None, None)
         return replace(
             self,
+            # the structure of a schedule stays beside its vehicle
             vehicle=replace(self, structure=None).clamped_at(times),
             nominal_deflection=self.nominal_at(times),
             altitude=altitude,

@@ -82,7 +82,8 @@ class ExitProblem:
         limit as the driver returns to an earlier height, and `switches.UNREACHED` where it stays
         above the driver, so that the dead band has no exit.
         """
-        # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter
+        # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter. `longer`:
+        # factor of the filter on the computing time
         winds, which, numbers = self._arrays
         out = np.empty((3, which.size))
         self._run(switches.switches, winds, which, numbers, literal, out, longer=self._filtering)

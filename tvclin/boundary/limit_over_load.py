@@ -193,7 +193,7 @@ class LoadTradeOff(TradeOff):
 
     @property
     def verdict(self) -> str:
-        """Whether the limit is below the lower bound, in words; empty where it is not."""
+        """Why the limit is not sufficient or not known to be, in words; empty otherwise."""
         if self.beyond_linear:
             return f"{sufficiency(None)}: {self.beyond_linear}"
         if self.above_lower_bound is False:
@@ -521,7 +521,7 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
 def _nodes(case: LoadCase) -> FloatArray:
     """Return nodes [s] of a `case`, even in the wind and in growing steps after it.
 
-    They contain all breakpoints of the wind and of the case's reference deflection.
+    They contain all breakpoints of the wind and of the reference, and resolve unstable oscillation.
     """
     wind, unstable = case.wind, case.poles[case.unstable]
     start, end = float(wind.onset), float(wind.end)

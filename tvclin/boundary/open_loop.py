@@ -262,7 +262,7 @@ def _limit_after_trim(
     if poles.shape[-1] < 2 or not np.any((dead_band > 0.0) & (dead_band < 1.0)):
         return np.zeros(shape)
     pole, paired = leading_pole(plant)
-    K = np.broadcast_to(np.where(paired, 1.0, dead_band), shape)
+    K = np.broadcast_to(np.where(paired, 1.0, dead_band), shape)  # 1: zero for a pair
     problem = ExitProblem(plant, wind, pole=pole, dead_band=K, shape=shape)
     full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim

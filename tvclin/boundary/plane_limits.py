@@ -111,9 +111,11 @@ def two_plane_requirement(
     `pair`: plants and wind. `limit_shape`: of the nozzle. `literal`: whether the exit of the dead
     band is on trim, not on the wind.
     """
-    line = _scalar_case(pair)
-    if line is not None:
-        return [_unidirectional_requirement(pair, *line, limit_shape, K, literal) for K in bands]
+    scalar_case = _scalar_case(pair)  # plant and wind along one direction, None in other cases
+    if scalar_case is not None:
+        return [
+            _unidirectional_requirement(pair, *scalar_case, limit_shape, K, literal) for K in bands
+        ]
     _check_turning(pair, max(bands))
     onset, warning = np.asarray([float(pair.wind.onset)]), ""
     minimum = float(limit_shape.inside.gauge(pair.wind_demand(onset))[0])
@@ -472,7 +474,7 @@ def plane_limit(
         plants = first, yaw_plant.case(case, shape) if yaw_plant else first
         pair = PlanePair(plants, wind.case(case, shape))
         limits.append(_case_limit(pair, limit_shape, float(dead_bands[case]), switch))
-    names = [field.name for field in fields(PlaneLimit)][:-1]
+    names = [field.name for field in fields(PlaneLimit)][:-1]  # without the last, `notes`
     numbers = {n: np.reshape([getattr(limit, n) for limit in limits], shape) for n in names}
     notes = tuple(dict.fromkeys(note for limit in limits for note in limit.notes))
     return PlaneLimit(**numbers, notes=notes)

@@ -92,8 +92,9 @@ def print_answer(
 ) -> None:
     """Print the verdict, the tables that answer, and notes.
 
-    `notes`: the first three are printed, and with `more`, the option --more, all of them. `details`
-    prints what stands above and below that, with `more` alone. A last line says what is left out.
+    `notes`: the first three are printed, and with `more`, the option --more, all of them.
+    `details`: prints further tables below, with `more` alone. Without it a last line says that
+    there is more.
     """
     say(f"{verdict[0].upper()}{verdict[1:].rstrip('.')}.\n")
     print_tables(*tables)

@@ -230,6 +230,7 @@ def similar_key(option: str) -> str | None:
 
     name = without_unit(option.strip("-").replace("-", "_"))
     names = ((key.name, key.name.rpartition(".")[2]) for key in all_keys())
+    # equal but for a unit, or the begin of a name up to an underscore
     return next((key for key, quantity in names if f"{quantity}_".startswith(f"{name}_")), None)
 
 
@@ -238,7 +239,8 @@ def field_key(option: str) -> str | None:
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name
 
-    first, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))  # further ones are excluded by it
+    # of the keys of an option the first is its own; it excludes the others
+    first, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))
     return next((k.name for k in all_keys() if quantity_name(k.name) == first), None)
 
 

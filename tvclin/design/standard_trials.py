@@ -397,7 +397,8 @@ def limit_tables(
 def load_table(trials: Sequence[LawTrial]) -> Table:
     """Return the table of the largest angle of attack and attitude of each law in each wind.
 
-    Both are normalised by the peak wind angle of attack. `trials`: one of each law in each wind.
+    Both are normalised by the peak wind angle of attack, of flights with 1.2 times the limit that
+    the law requires. `trials`: one of each law in each wind.
     """
     laws = tuple(dict.fromkeys(trial.law for trial in trials))
     winds = dict.fromkeys(trial.wind for trial in trials)

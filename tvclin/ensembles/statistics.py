@@ -267,9 +267,9 @@ def loss_drivers(inputs: dict[str, FloatArray], losses: ArrayLike) -> dict[str, 
         return {}
 
     def chance(values: FloatArray) -> float:
-        """Return the probability of so strong a correlation by chance, times the inputs.
+        """Return the probability of so strong a correlation by chance, times the number of inputs.
 
-        `values`: values of one input, ``(n,)``.
+        `values`: values of one input, ``(n,)``, of which lost and survived flights are compared.
         """
         if not np.ptp(values):
             return 1.0

@@ -329,7 +329,7 @@ class Plant(WithCoefficients):
         if "flight_path_angle" in self.outputs:
             path = self.path_per_attitude(poles)
             outputs += [path, 1.0 - path]  # and the angle of attack, but for the wind
-        else:
+        else:  # a fixed path: the angle of attack is the attitude, but for the wind
             outputs.append(outputs[0])
         return ModalSystem(
             poles, gains=np.stack(gains, axis=-1), outputs=np.stack(outputs, axis=-1)

@@ -125,12 +125,14 @@ def _initial_phase_to_axis(
 ) -> FloatArray:
     """Return the phase lag [rad], 0 or 2 pi, until poles at the axis cross it for the first time.
 
-    A pole that starts in the half plane to which the delay moves it has a full turn to go. `poles`:
-    closed-loop poles without the delay, ``(..., n)`` [1/s]. `tolerance`: distance from the axis
-    that counts as zero, ``(..., 1)`` [1/s]. `omega`: gain crossovers ``(..., k)`` [rad/s], as the
+    A pole that starts in the half plane to which the delay moves it has a full turn to go; a pole
+    of the other half plane crosses at once. A pole on the axis counts as left. `poles`: closed-loop
+    poles without the delay, ``(..., n)`` [1/s]. `tolerance`: distance from the axis that counts as
+    zero, ``(..., 1)`` [1/s]. `omega`: gain crossovers [rad/s], with the shape ``(..., k)`` of the
     result. `to_right`: whether poles cross to the right there, ``(..., k)``.
     """
     distance = np.abs(poles[..., np.newaxis, :] - 1j * omega[..., np.newaxis])
+    # the closed-loop pole nearest to j omega, of each crossover
     nearest = np.argmin(np.nan_to_num(distance, nan=np.inf), axis=-1)
     right = np.take_along_axis(np.real(poles) > tolerance, nearest, axis=-1)
     return np.where(right != to_right, 0.0, _FULL_TURN)
@@ -255,6 +257,7 @@ def analyse_loops(loop: AnyLoop) -> LoopAnalysis:
         if arrays[0].ndim == 2:
             width = max(array.shape[-1] for array in arrays)
             padding = [(0, 0), (0, width)]
+            # padded by more than enough, then cut
             arrays = [np.pad(a, padding, constant_values=np.nan)[:, :width] for a in arrays]
         joined.append(np.concatenate(arrays))
     return LoopAnalysis(*joined)

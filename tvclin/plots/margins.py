@@ -74,7 +74,7 @@ def sweep_chart(sweep: Sweep, name: str = "") -> ControlPlot:
     for limit in sweep.criteria.limits:
         # the label of a margin of the loop, or of the criterion for a margin of modes
         panel, *_ = MARGINS.get(limit.margin, (limit.name,))
-        worst, unit = limit.shown  # the limit, and its unit in tables
+        required, unit = limit.shown  # the required margin, and its unit in tables
         factor = unit_factor(unit)
         ordinates[panel] = f"margin [{unit}]" if unit else "margin"
         unit = unit or "-"
@@ -86,7 +86,7 @@ def sweep_chart(sweep: Sweep, name: str = "") -> ControlPlot:
         detuned = [judged for judged in sweep.detuned_judgements if judged.criterion == limit]
         if detuned:
             columns.append(Column(_DETUNED, factor * _lowest(detuned)[order], unit, panel))
-        columns.append(Column(_CRITERION, np.full(order.size, worst), unit, panel))
+        columns.append(Column(_CRITERION, np.full(order.size, required), unit, panel))
     words = f"margins over the flight, criteria {sweep.criteria.name}"
     curves = Curves("sweep", words, "flight time [s]", sweep.times[order], tuple(columns))
     ordinate = ordinates if len(ordinates) > 1 else next(iter(ordinates.values()))

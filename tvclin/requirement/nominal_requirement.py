@@ -193,7 +193,7 @@ def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> Bo
     limit above all trim, and above what holds the vehicle at the end, is sufficient.
     """
     boundary = boundary_limit(plant, wind, dead_band, "literal")
-    # the minimum after trim, for 0 < K < 1, is finite: K = 0 omits it
+    # K = 0 omits the minimum peak after trim, of 0 < K < 1, which takes a search and is finite
     counted = 1.0 if dead_band == 1.0 else 0.0
     needs = open_loop_requirements(plant, wind, counted, boundary)
     largest = np.max(list(needs.values()), axis=0)

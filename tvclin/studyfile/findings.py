@@ -261,7 +261,7 @@ def find(
         trials = result("trials", partial(_trials, plan, study, loop)) or ()
         comparison = result("comparison", lambda *_: _comparison(study, loop))
         flexible = result("flexible", lambda *_: _flexible(plan, study, loop))
-        flying = flexible or comparison
+        flying = flexible or comparison  # the autopilot with its plant, of flights with a limit
         flight = result("flight", partial(_flight, plan))  # sizing, worst total, and turbulence
         return Findings(
             plan=plan,

@@ -159,7 +159,7 @@ def basis(findings: Findings) -> Line:
         " for ",
         *significant("basis.duration_s", s.wind.duration, unit="s"),
         f"{_judged_wind(s).gust_text}.",
-        *_meets_the_stop(findings),
+        *_reaches_the_limit(findings),
     )
     if (
         s.required_deflection
@@ -182,7 +182,7 @@ def basis(findings: Findings) -> Line:
     return (*line, words, *percent, " of cases.")
 
 
-def _meets_the_stop(findings: Findings) -> Line:
+def _reaches_the_limit(findings: Findings) -> Line:
     """Return the warning of an autopilot that reaches the limit and survives; else empty.
 
     `findings`: results of a study plan.
@@ -190,10 +190,11 @@ def _meets_the_stop(findings: Findings) -> Line:
     survives = any(
         question.name == "autopilot" and question.yes for question in questions(findings)
     )
-    turns, limit = without_stop(findings), findings.study.limit
-    if limit is None or not survives or not turns > limit:
+    # peak deflection of the autopilot without a limit [rad], NaN without an autopilot
+    unlimited, limit = without_stop(findings), findings.study.limit
+    if limit is None or not survives or not unlimited > limit:
         return ()
-    peak = degrees("basis.autopilot", turns, unit="deg")
+    peak = degrees("basis.autopilot", unlimited, unit="deg")
     tail = (
         ", more than the limit. Flown with the limit it reaches the limit and survives this"
         " wind, with smaller margins, see Autopilot and margins."

@@ -150,6 +150,7 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
         sign_after = np.sign(levels[after]) if after < levels.size else 0.0
         if after == before + 1 and not sign_before * sign_after:
             continue
+        # an end of the window counts as a level of the opposite sign
         sign_before, sign_after = sign_before or -sign_after, sign_after or -sign_before
         start, stop = cells[before + 1], min(cells[after], cells[-1] if after else np.inf)
         if after > before + 1:
@@ -270,9 +271,10 @@ def _from_grid(window: Window) -> SignedSum:
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
     """Return the sum of each of `guesses`, multipliers ``(n,)``, at its best scale and sign.
 
-    `window`: the poles' exponentials e_i, and their demands d_i. The scale is that at which the L1
-    norm is the dual value lambda . d over the L1 norm, a bound of the peak. The sums ascend by
-    residual, not by the dual value, which does not change with very small multipliers.
+    `window`: the poles' exponentials e_i, their `sizes`, and their demands d_i. The dual value
+    lambda . d over the L1 norm of the sum, a bound of the peak, does not depend on the scale of
+    the multipliers lambda; the scale is that at which the L1 norm is equal to it. The sums ascend
+    by residual, not by the dual value, which does not change with very small multipliers.
     """
     trials = []
     for guess in guesses:

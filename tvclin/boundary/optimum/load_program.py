@@ -144,9 +144,10 @@ class LoadProgram:
     def _static_bounds(self) -> tuple[IndexArray, float]:
         """Indices of the deflection's variables in wide cells, and their bound over the load bound.
 
-        With rows at the nodes alone the load could oscillate between them; so the load of the
-        deflection in equilibrium, delta (1 + M B)/B, is within the bound there: B is the trim
-        deflection per angle of attack, and M the load per deflection.
+        Wide cells are much longer than the fastest time constant. With rows at the nodes alone the
+        load could oscillate between them; so the load of the deflection in equilibrium, delta (1 +
+        M B)/B, is within the bound there: B is the trim deflection per angle of attack, and M the
+        load per deflection.
         """
         B, M = float(self.case.plant.coefficients.B), self.case.ratio
         wide = np.flatnonzero(self.widths * self.case.fastest > _MAX_WIDTH_OVER_TIME_CONSTANT)

@@ -228,7 +228,8 @@ def _solve(window: Window) -> tuple[FloatArray, FloatArray]:
         return best.zeros, best.multipliers
     poles, demands = np.real(c.poles), c.demands
     time = two_poles.switch_time(tuple(poles), tuple(demands), c.horizon)
-    # Without a switch before the end one constant satisfies both, and so their sum.
+    # Without a switch before the end one constant deflection satisfies both conditions; with the
+    # signs of the demands as multipliers the sum has no zero.
     if np.isinf(time) or time >= c.horizon * (1.0 - _RELATIVE_ROUNDING):
         return np.zeros(0), np.sign(demands)
     # of a sum proportional to e^(-p1 (u - time)) - e^(-p2 (u - time)), zero at the switch alone

@@ -175,9 +175,10 @@ class RateProgram:
     ) -> Any:
         """Return the result of minimum peak, rate or total motion (`aim`); None if infeasible.
 
-        `peak`: bound over `unit`. With a solution `around`, the result is 1e8 times the change from
-        it, each variable of it within `max_change`. Where the simplex method fails, the interior
-        point method is tried.
+        The variables, over `unit`, are the deflections at all nodes but the first, their changes up
+        and down in each interval, and the peak. `peak`: bound of the peak. With a solution
+        `around`, the result is 1e8 times the change from it, each variable of it within
+        `max_change`. Where the simplex method fails, the interior point method is tried.
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 

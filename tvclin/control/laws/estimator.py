@@ -134,14 +134,14 @@ class EstimatedLaw(Law):
         """F and G of s' = F s + G m, the estimator's states before the law's; m: measurements.
 
         m are attitude theta, its rate, flight path angle, angle of attack alpha, deflection. The
-        law's states follow the estimates q^ of the rate and theta - d^ of alpha, d^ being that of
-        gamma + alpha_w.
+        estimator's states are q^, the estimate of the rate, and d^, of gamma + alpha_w: the law's
+        states follow q^ in place of the rate, and theta - d^ in place of alpha.
         """
         (F, G), (F_law, G_law) = self.estimator.states(self.plant), self.law.states
         on_theta, on_rate, on_path, on_alpha, on_deflection = G_law.T
         none = np.zeros(len(F_law))
         G_law = np.column_stack([on_theta + on_alpha, none, on_path, none, on_deflection])
-        coupling = np.column_stack([on_rate, -on_alpha])  # on q^ and d^
+        coupling = np.column_stack([on_rate, -on_alpha])  # of the law's states with q^ and d^
         zeros = np.zeros((2, len(F_law)))
         return np.block([[F, zeros], [coupling, F_law]]), np.vstack([G, G_law])
 

@@ -377,7 +377,7 @@ def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
 
     `loop`: one loop, with A [1/s], the intensity N of its noise, and the jumps of its states at
     samples. Shapes ``(k, n, n)`` and ``(k,)``: the mean over a sample is the sum of weights times
-    values, by Simpson's rule on 17 times of each interval ahead of a jump. In continuous time k is
+    values, by Simpson's rule on 17 times of each interval before a jump. In continuous time k is
     1. `InputError` for an unstable loop.
     """
     if not loop.jumps:

@@ -118,10 +118,11 @@ class Replay:
 
     @property
     def capability(self) -> float:
-        """Ratio of the limit of the campaign to the requirement, if the case is lost; else 1.
+        """Ratio of the limit of the campaign to the requirement where the limit is smaller; else 1.
 
-        The requirement is at the dynamic pressure encountered in its wind. A case that is flown by
-        a law is judged by its flight, and has the ratio 1.
+        With it the response of the case is drawn. The requirement is at the dynamic pressure
+        encountered in its wind. A case that is flown by a law is judged by its flight, and has the
+        ratio 1.
         """
         limit, required = self.campaign.nozzle.limit, self._required_encountered
         if limit is None or "flight_survived" in self.outputs or not limit < required < np.inf:

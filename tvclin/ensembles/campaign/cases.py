@@ -119,7 +119,7 @@ def nominal(campaign: Campaign) -> dict[str, float]:
         return {}
     batch = _batch(campaign, campaign.vehicle, {}, 1)
     outputs: dict[str, FloatArray] = {}
-    for case_by_case in (False, True):
+    for case_by_case in (False, True):  # outputs of a whole batch, then of single cases
         outputs |= compute(campaign, batch, case_by_case=case_by_case)
     return {name: float(values[0]) for name, values in outputs.items()}
 

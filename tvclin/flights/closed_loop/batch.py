@@ -246,10 +246,11 @@ class Batch:
     def only(self, mask: BoolArray) -> Batch:
         """Return the flights at which a mask ``(m,)`` is true, with only their vehicles and winds.
 
-        `vehicle` and `encountered` then count among these. It is used to omit cases that are not
-        possible.
+        `vehicle` and `encountered`, the index of vehicle and of wind of each flight, then count
+        among these. It is used to omit cases that are not possible.
         """
         shape, where = self.vehicles, np.flatnonzero(mask)
+        # `fleet`, `winds`: indices of the vehicles and winds that are kept
         (fleet, vehicle), (winds, encountered) = (
             np.unique(a[where], return_inverse=True) for a in self.indices
         )
@@ -510,10 +511,11 @@ def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Flight
 
 
 def widened(rows: FloatArray, width: int, count: int) -> FloatArray:
-    """Return rows on the states of a vehicle, cut or padded with zeros to `width` columns.
+    """Return rows that read a vehicle's states, as rows of `width` columns on a loop's states.
 
-    `rows`: coefficients on states, deflection and deflection rate, ``(..., n + 2)``. `count`:
-    number of states of lateral sensors, whose columns are zero and precede the last two.
+    `rows`: coefficients on n states, deflection and deflection rate, ``(..., n + 2)``. Columns of
+    zeros for the `count` states of lateral sensors are inserted before the last two. Then columns
+    beyond `width`, of a deflection rate that the loop has not, are cut, or zeros appended.
     """
     rows = np.insert(rows, [rows.shape[-1] - 2] * count, 0.0, axis=-1)
     wide = np.zeros((*rows.shape[:-1], width))

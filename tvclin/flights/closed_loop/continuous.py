@@ -272,8 +272,9 @@ def regime_after_jump(loop: Loop, t: float, states: FloatArray, regime: Regime) 
     """Return the regime after a possible jump of the command, with the rate limited or not.
 
     The rate is limited if it is at its limit in the direction in which the command accelerates the
-    nozzle. The rate is `pull` itself for a nozzle of first order, and a state for one of second
-    order. `t`: time [s]. `states`: all states of the loop. `regime`: active limits before.
+    nozzle, the sign of `Loop.pull`. For a nozzle of first order this is the rate without its limit,
+    for one of second order the acceleration, and the rate is a state. `t`: time [s]. `states`:
+    all states of the loop. `regime`: active limits before.
     """
     if loop.actuator is None or loop.rate_limit == np.inf:
         return regime
@@ -301,14 +302,14 @@ def ends_of(loop: Loop, regime: Regime) -> list[End]:
 def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the law engages the full limit, or if engaged, releases it.
 
-    The thresholds are `engage` and `release` of the law times the limit. `regime`: active limits.
-    `sign`: sign of the full limit.
+    The thresholds are `engage` and `release` of the law times the limit. `regime`: active limits,
+    whose `mode` is 0 while the full limit is not engaged. `sign`: sign of the full limit.
     """
 
     def past(t: Any, states: FloatArray) -> Any:
         """Return by how much [rad] the demand at a time `t` [s] is beyond the threshold."""
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
-        if regime.mode:
+        if regime.mode:  # engaged: the end is below `release`, by a margin against chatter
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
         return demand - loop.law.engage * loop.limit
 

@@ -375,6 +375,7 @@ def flown_plane_limit(
     >>> round(found.limit, 2), round(tv.plane_limit(plant, wind).limit, 2)
     (0.68, 0.63)
     """
+    # checks alone, before the wind is used
     _plants(plant, None)
     LawInPlanes(law, limit_shape, saturate)
     _check(wind, None)

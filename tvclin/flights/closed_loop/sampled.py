@@ -72,7 +72,8 @@ def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: F
     """Step m flights in both planes to their common ends, in place; see `kernels.flights`.
 
     `pitch`, `yaw`: flights of both planes, changed in place. `normals`: normals of the limit shape,
-    ``(k, 2)``; empty for a circle. `limit`: deflection limits [rad], ``(m,)``.
+    ``(k, 2)``; empty for a circle. `limit`: deflection limits [rad], ``(m,)``. Plain Python takes
+    the numbers of the laws as a list, machine code as an array.
     """
     # twice the samples of one plane, of which the time in plain Python is estimated
     fly = choice.fastest(
@@ -80,7 +81,7 @@ def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: F
     )
     take = _with_law_list if fly is kernel.fly_in_planes else _with_law_array
     with np.errstate(all="ignore"):  # a lost flight may overflow
-        fly(take(pitch), take(yaw), normals, limit, 0, limit.size)
+        fly(take(pitch), take(yaw), normals, limit, 0, limit.size)  # all flights, from 0 to m
 
 
 def _finish_in_python(f: Flights, laws: LawBatch) -> None:
@@ -95,6 +96,7 @@ def _finish_in_python(f: Flights, laws: LawBatch) -> None:
     )
     with np.errstate(all="ignore"):  # a lost flight may overflow
         while stepper.look(k):
+            # `ended`: the last sample of a flight, negative until it has ended
             active, demand = f.now.ended < 0, np.zeros(f.cases.limit.size)
             for index, law in enumerate(laws.laws):
                 flights = np.flatnonzero(active & (f.cases.law == index))

@@ -322,7 +322,8 @@ class Stages:
         """Return the interpolant of the matrices in the interval of time that contains a sample.
 
         Its range of dynamic pressure has the values `pressure`, q/q_n, and ends at multiples of
-        `_PRESSURE_RANGE`. Interpolants are kept, and used again by flights with the same plants
+        `_PRESSURE_RANGE`; a third variable is the change of pressure within a sample, in which the
+        matrices are linear. Interpolants are kept, and used again by flights with the same plants
         (`alike`). `sample`: index of the sample. None where it does not converge, and for a range
         in which a vehicle is impossible.
         """

@@ -407,6 +407,7 @@ class Airframe:
             if trajectory is not None and self._plane == "pitch":
                 reference[:, : len(OUTPUTS)] = trajectory
             rows = _plain_rows(reference)
+            # in still air: deviations from the reference, which the hold keeps small
             flown = self._deviation_rows(
                 steering=lambda k, measured: (
                     on_lean * (measured.attitude - measured.flight_path_angle)

@@ -131,7 +131,8 @@ class SixDof:
             speeds = self._speeds(angles, self.vehicle.velocity, self.vehicle.attitude)
             return Air(wind, times, angles=angles, speeds=speeds, trajectory=None)
         trajectory = nominal_trajectory(self.vehicle, self.condition, times)
-        speeds = self._speeds(angles, trajectory.speeds, trajectory.rows[:, 2])
+        paths = trajectory.rows[:, 2]  # flight path angles [rad]
+        speeds = self._speeds(angles, trajectory.speeds, paths)
         return Air(wind, times, angles=angles, speeds=speeds, trajectory=trajectory)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
@@ -341,7 +342,11 @@ def planes_verdict(
     numbers = vehicle.replace(name="", time=None)  # airframes are reused by numbers alone
 
     def survives(limit: float) -> bool:
-        """Return whether the vehicle survives the wind with a deflection limit [rad]."""
+        """Return whether the vehicle survives the wind with a deflection limit [rad].
+
+        It does if its attitudes and the magnitude of its attitude rates in both planes are small at
+        the end of the flight.
+        """
         with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
             steering = _steering(law, limit, step)
             rows = airframe.fly_both(steering, speeds, angles, control.lateral_sensors)

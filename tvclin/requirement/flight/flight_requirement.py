@@ -443,8 +443,8 @@ def flight_requirements(
     dead_bands : ndarray
         K, each in [0, 1], ``(k,)``.
     two_sided : sequence, optional
-        For each wind the same with what blows to the other side, where the wind is its part to one,
-        or None: what a law with K = 1 encounters.
+        For each wind that is the interval of one sign of a longer wind, this longer wind, which a
+        law with K = 1 encounters; else None.
     """
     times = [wind.history.probe_times(_SAMPLES_BETWEEN) for wind in winds]
     ends = np.cumsum([t.size for t in times])[:-1]
@@ -455,8 +455,8 @@ def flight_requirements(
         for two_sided_wind, wind in zip(two_sided or winds, winds, strict=True)
     ]
     # required deflection, minimum and exit time of each wind, (n, 3)
-    for_one = requirements_along(mode, both_signs, 1.0)
-    by_band = [for_one if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands]
+    full_band = requirements_along(mode, both_signs, 1.0)  # K = 1
+    by_band = [full_band if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands]
     required, _minima, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
     requirements = []
     for i, wind in enumerate(winds):
@@ -466,7 +466,7 @@ def flight_requirements(
             FlightRequirement(
                 trim=float(trim[largest]),
                 required=required[:, i],
-                minimum=float(for_one[i, 1]),
+                minimum=float(full_band[i, 1]),
                 trim_time=float(times[i][largest]),
                 times=exits[:, i],
             )

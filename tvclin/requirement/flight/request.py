@@ -498,7 +498,7 @@ class SizingRequest:
         errors.instance(
             "turbulence", turbulence, TurbulenceRequest, "of an intensity or a severity"
         )
-        signed = tuple(pulse.heading is None for pulse in self.pulses(case))
+        signed = tuple(pulse.heading is None for pulse in self.pulses(case))  # head or tail
         winds, times = self.winds(case), self.times(case)
         try:
             flown = replace(case, design=self.scheduled_design or case.design)

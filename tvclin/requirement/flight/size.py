@@ -608,8 +608,8 @@ def _progress_counter(
 def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
     """Return requirements [rad] by name, each ``(n, m)``.
 
-    `needs`: records of requirements, by n flight times and m winds. `bands`: dead bands K,
-    ``(k,)``.
+    `needs`: requirement of each of m winds at each of n flight times. `bands`: dead bands K,
+    ``(k,)``. A bound without a forecast has only a vehicle that is frozen.
     """
     columns = {TRIM: _table(needs, lambda need: need.trim)}
     for k, K in enumerate(bands):

@@ -371,11 +371,13 @@ def _add_entry(
         collection.pieces.append(([], [], [], np.array([0]), times))
         collection.why.append(str(error))
         return
+    # number of the station
     number = re.search(r": (\w+) .*Observations", profile.source)
     if number is not None:
         if sounding_filter.station not in (None, number[1]):
             return
         collection.stations.setdefault(number[1], name)
+    # height, east and north of the levels, number of levels of each sounding, and times
     collection.pieces.append(
         (profile.height, profile.east, profile.north, np.array([profile.height.size]), times)
     )
