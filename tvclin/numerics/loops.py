@@ -115,8 +115,7 @@ class Rational:
     def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega = j (N'/N - D'/D) of G = N/D, L without delay, at j omega.
 
-        `omega`: frequencies [rad/s], ``(..., k)``. `product` and `inverse` divide with the same
-        rounding everywhere.
+        `omega`: frequencies [rad/s], ``(..., k)``.
         """
         N, D = self.undelayed(omega)
         dN, dD = (
