@@ -126,7 +126,7 @@ def wind_along(
         speed=None,
         of_angle=(np.asarray(in_pitch), np.asarray(in_yaw)),
         of_speed=(0.0, 0.0),  # of no wind that is given by its speed
-        flight=(flight.times, paths, np.ones(paths.shape)),
+        flight=(flight.times, paths, np.ones(paths.shape)),  # ones: of no effect on angles
     )
     encountered.check_possible()
     return WindAlong(wind, encountered)

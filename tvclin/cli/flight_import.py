@@ -93,8 +93,8 @@ def openrocket(
         file,
         gimbal_station=gimbal_station_m,
         reference_area=reference_area_m2,
-        **site.arguments,
-        **vars(rows),
+        **site.arguments,  # slope of the normal force, and launch site
+        **vars(rows),  # times, and number of rows
     )
     _write(imported, file, output, more)
 
@@ -127,8 +127,8 @@ def rasaero(
         file,
         gimbal_station=gimbal_station_m,
         moment_of_inertia=_inertias(inertia),
-        **arguments,
-        **vars(rows),
+        **arguments,  # slope of the normal force, and launch site
+        **vars(rows),  # times, and number of rows
     )
     _write(imported, file, output, more)
 

@@ -160,9 +160,9 @@ class Availability(Tabled):
     def reaches(self, fraction: float) -> Any:
         """Return whether at least a fraction of the days flies: True, False, or None if not proven.
 
-        `fraction`: the fraction, in [0, 1]. An answer is proven if it holds for the whole
-        confidence interval, with unknown soundings counted as lost for True, and as flown for
-        False.
+        A tuple of these for several azimuths. `fraction`: the fraction, in [0, 1]. An answer is
+        proven if it holds for the whole confidence interval, with unknown soundings counted as lost
+        for True, and as flown for False.
         """
         fraction = errors.number("fraction", fraction, errors.between(0.0, 1.0))
         all_soundings = np.ones(len(self.soundings), dtype=bool)

@@ -430,8 +430,10 @@ def steps_of(
     `driven`, `ramp`: vehicles with nozzle and with the states of a polynomial wind, and plants with
     those of a linear deflection, ``(p,)``; ``(parts, p)`` if the matrices differ between the parts
     of a sample. `plant`: plants without nozzle, ``(p,)``. `timing`: samples and parts of the
-    vehicles.
+    vehicles. Parts have one matrix each, `joint`; a limited nozzle is stepped by their substeps,
+    `fine`, of which the deflection is a straight line, a `ramp`.
     """
+    # lengths [s] of the parts, without the whole sample ahead of them, and of their substeps
     lengths, n, short = timing.lengths[:, 1:], len(plant.states), timing.short
     joint = joint_steps(driven, n, lengths, terms)
     fine = joint_steps(driven, n, short, terms) if np.any(timing.substeps > 1) else joint

@@ -457,8 +457,7 @@ class SizingRequest:
             """Return the case of a flight time [s] in pulse number k."""
             return self.at(case, time, pulses[k])
 
-        # with a requirement of each pulse and time as a head and as a tail wind, at its pressure
-        with repeated(result.known.size):
+        with repeated(result.known.size):  # each pulse as head and tail wind, at its pressure
             return with_directions(result, len(pulses), at, self._mode(case, result))
 
     def _gaps(self, times: FloatArray) -> tuple[str, ...]:
