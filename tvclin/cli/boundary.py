@@ -163,11 +163,14 @@ def _notes(axis: str, x: FloatArray, K: FloatArray, status: Any) -> list[str]:
     """
     where: dict[tuple[str, str], list[str]] = {}
     for k, column in zip(K, status.T, strict=True):
-        for said in dict.fromkeys(column[column != OK].tolist()):
-            odd = x[column == said]
+        for irregular in dict.fromkeys(column[column != OK].tolist()):
+            odd = x[column == irregular]  # abscissas of this status
             span = f"{odd.min():g} to {odd.max():g}" if odd.size > 1 else f"{odd[0]:g}"
-            where.setdefault((said, span), []).append(f"{k:g}")
-    return [f"K = {', '.join(k)}, {axis} {span}: {said}" for (said, span), k in where.items()]
+            where.setdefault((irregular, span), []).append(f"{k:g}")
+    return [
+        f"K = {', '.join(bands)}, {axis} {span}: {irregular}"
+        for (irregular, span), bands in where.items()
+    ]
 
 
 def print_in_wind(

@@ -250,7 +250,7 @@ def over_rate(
     drawn: RateTradeOff | FlownTradeOff = trade_off
     if laws := _flown_limits(case) if every_law else None:
         drawn, first, further = laws, *laws.tables(), [first, *further]
-    at = REQUIRED if limit is None else "limit"
+    at = REQUIRED if limit is None else "limit"  # deflection at which rates are stated, in words
     rates = _RequiredRates(theory, _autopilot_rate(case, names), at)
     further += [table for duty in flown for table in duty.tables()]
     judged = _judged(case, trade_off, required)

@@ -95,7 +95,7 @@ def general_assumptions(findings: Findings) -> Iterator[str]:
 
 
 def _wind(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption that the wind of findings is given; the state "reader": he judges it."""
+    """Yield the assumption that the wind of findings is given, which the "reader" has to judge."""
     days = "; on how many days of an archive it flies is a question of its own, see below"
     if findings.availability is None:
         days = "; tvclin availability counts the days of an archive of soundings"

@@ -186,7 +186,7 @@ def _flight_of_a_vehicle(
 
     `source`: name or path of a vehicle or flight schedule. `winds`: soundings of the flight by
     name. The wind of the plan is a pulse at each flight time (`pulse`), unless there are soundings
-    and it is the default wind, which nobody specified.
+    and it is the default wind, of a source without a wind.
     """
     from tvclin.ascent.schedule_file import load_schedule
 

@@ -193,7 +193,7 @@ class DeflectionUse(Tabled):
         return {**required, "used": self.used, "remaining": self.remaining}
 
     def table(self) -> Table:
-        """Return the table of all times, in degrees."""
+        """Return the table of deflections [deg] by heading, a row for each flight time."""
         values = self.by_heading
         rows: list[tuple[Line, ...]] = [
             (

@@ -217,7 +217,8 @@ def wind_columns_table(sizing: Sizing, counted: Requirement) -> list[Table]:
 def _first_requirements(sizing: Sizing) -> list[Requirement]:
     """Return the requirements in the first table of a sizing.
 
-    They are those with varying parameters, if there are any, else all.
+    They are the requirements with varying parameters or the pressure of a head or tail wind, if
+    there is a `freezing_error`, the comparison of frozen and varying parameters; else all.
     """
     varying = [
         requirement
