@@ -216,8 +216,7 @@ class SizingRequest:
     others : tuple of ShapedWind
         Further pulses with their peak at each flight time.
     peak_speed : float, optional
-        Peak wind speed of the pulses [m/s], in place of their angle, which follows at each flight
-        time from eq (B1e).
+        Peak wind speed of the pulses [m/s]; each flight time has its angle from eq (B1e).
     soundings : dict of str to SoundingRequest
         Winds over height, by name. The gust of the case is on top of each wind: of a pulse at its
         time, or the worst time for the dead band that counts, of a sounding about each flight time.
