@@ -180,7 +180,7 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
         ),
         (("disperse", "--seed", "4"), "tvclin disperse takes no --seed: --set campaign.seed VALUE"),
         (("fly", "--duration", "7.5s"), "Error: --duration must be a number"),
-        (("study", "--winds", "x.csv"), "a study file gives it the measured wind"),
+        (("study", "--winds", "x.csv"), "tvclin ascent and tvclin fly answer for a sounding"),
         (("ascent", "--limit-shape", "round"), "--set nozzle.limit_shape VALUE gives it"),
     ],
 )
