@@ -128,7 +128,8 @@ def as_users_have_it(_originals, monkeypatch):
 @pytest.fixture(scope="module")
 def no_flights():
     """Put still attitudes and one boundary in the place of the flights of figures, which cost."""
-    from tvclin.plots import boundaries as flown_room
+    from tvclin.flights import flown_boundary as flown_room
+    from tvclin.plots.boundaries import flown_limit
 
     def still(vehicle, control, wind, times, **_):
         return times, np.zeros((5, np.size(times)))
@@ -139,9 +140,9 @@ def no_flights():
         }
         patch.setattr(flown_room, "ENGINES", engines)
         patch.setattr(flown_room, "flown_boundary", lambda *_, **__: SimpleNamespace(limit=0.5))
-        flown_room.flown_limit.cache_clear()
+        flown_limit.cache_clear()
         yield
-    flown_room.flown_limit.cache_clear()
+    flown_limit.cache_clear()
 
 
 @pytest.fixture

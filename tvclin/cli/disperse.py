@@ -201,21 +201,23 @@ def _campaign(
     if winds.winds is not None:
         if assumed:
             campaign = replace(campaign, dispersions=_OF_THE_VEHICLE)
-        if campaign.along is None:
-            sounding = winds.sounding_of(campaign, source)
-            assert sounding is not None
-            in_plane = campaign.vehicle, campaign.plane
-            wind = FixedWind(sounding.history(*in_plane), sounding.unknown(*in_plane))
-            reading = source_tables(source).get("sounding", {})
-            note_sounding(sounding, campaign, reading.get("window_s"))
-            campaign = replace(campaign, wind=wind)
-        else:
-            campaign = _in_soundings(campaign, winds, source)
+        frozen = campaign.along is None
+        campaign = (_in_a_sounding if frozen else _in_soundings)(campaign, winds, source)
     outputs = {"flight", "flown", "margins"} & set(campaign.outputs)
     lacking = {(): " without flights and margins", ("margins",): " without flights"}
     question = f"disperse{lacking.get(tuple(outputs), '')}"
     note_omissions(campaign, "disperse", question, tables=source_tables(source))
     return campaign
+
+
+def _in_a_sounding(campaign: Campaign, winds: WindOptions, source: str) -> Campaign:
+    """Return a campaign at a single flight time in the sounding of the options, with its notes."""
+    sounding = winds.sounding_of(campaign, source)
+    assert sounding is not None
+    in_plane = campaign.vehicle, campaign.plane
+    wind = FixedWind(sounding.history(*in_plane), sounding.unknown(*in_plane))
+    note_sounding(sounding, campaign, source_tables(source).get("sounding", {}).get("window_s"))
+    return replace(campaign, wind=wind)
 
 
 def _in_soundings(campaign: Campaign, winds: WindOptions, source: str) -> Campaign:
