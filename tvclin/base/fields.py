@@ -428,8 +428,9 @@ def fields_of(record: Any) -> tuple[Field, ...]:
 def _fields_of(kind: Any) -> tuple[Field, ...]:
     """Return the `Field` of each attribute and property of a class `kind`, cached.
 
-    Attributes come first, then properties, base classes ahead. A field without a name of
-    its own has its attribute's.
+    Attributes come first, then properties, base classes ahead; an attribute may have several
+    fields. `name` is the label, `of` the attribute whose value is shown: where a field does not
+    give them, both are the attribute's name.
     """
     specified: dict[str, tuple[Field, ...]] = {}
     if is_dataclass(kind):

@@ -223,7 +223,7 @@ class LoadTradeOff(TradeOff):
 
     @property
     def notes(self) -> Iterator[str]:
-        """Return the notes on the trade-off, a sentence each."""
+        """Return the notes on the trade-off, a sentence each: load, forecast and proved gap."""
         yield from linear_notes(self.angle)
         what = "the angle of attack" if self.moment_ratio == 0.0 else "alpha + M delta, as an angle"
         yield f"the load is {what}, during the wind and after it"

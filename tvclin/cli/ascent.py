@@ -227,7 +227,8 @@ class _Answer:
     def satisfied(self) -> bool:
         """Whether limits are sufficient, or not given, and each flight of the autopilot survives.
 
-        False where one of these is not known.
+        The limits are on deflection and on rate (`too_slow`), in the budget `total`; `flights` is
+        None without an autopilot. False where one of these is not known.
         """
         total = self.total
         survived = self.flights is None or bool(self.flights.survived)

@@ -416,7 +416,11 @@ class _Answer:
         return (*sought, *timing, *notes, *self.margins.whole.notes, *mode_notes(self.margins))
 
     def chart(self) -> "ControlPlot":
-        """Return the chart of the disk margin, where gains were sought, or the Nichols chart."""
+        """Return the chart of deflection against disk margin for gains of minimum deflection.
+
+        `sought` are these gains, None where others were designed: then it is the Nichols chart of
+        the margins, with the criteria `held_to`.
+        """
         from tvclin import plots
 
         if self.sought is not None:

@@ -134,7 +134,11 @@ class Compared:
         ]
 
     def document(self) -> dict[str, Any]:
-        """Return the flight and its comparison with the boundary, for JSON."""
+        """Return the flight and its comparison with the boundary, for JSON.
+
+        Values of `both` are a pair by name: of the flight ("flown") and of its comparison, whose
+        name is `reference`.
+        """
         flying, boundaries = self.flying, self._boundaries_deg()
         return {
             "vehicle": flying.plan.vehicle.name,

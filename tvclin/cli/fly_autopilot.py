@@ -484,8 +484,8 @@ class AutopilotFlight:
     def _verdict(self) -> str:
         """The verdict on the limit, and the outcome of its flight.
 
-        Not known has its reason; a limit that is sufficient in this wind is compared with the peak
-        deflection in the worst duration of it.
+        Not known has its reason. A limit that is sufficient in this wind is compared with `worst`,
+        the wind of the same shape and peak whose duration requires most; None if it is not sought.
         """
         word, worst, limit = sufficiency(self.sufficient), self.worst, self.limit or 0.0
         if self.sufficient is None:

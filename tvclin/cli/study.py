@@ -102,7 +102,7 @@ def study(
         """Return a plan with the limit shape of --limit-shape, if it is given."""
         return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
 
-    changes = limits.over, shaped, question.over, gains.over
+    changes = limits.over, shaped, question.over, gains.over  # plan with options over its file's
     plan = case_of(source, *changes, wind=winds.over, questions=("study",), time=time)
     if plot is not None:
         from tvclin.kernels.choice import announce

@@ -409,7 +409,7 @@ def load_table(trials: Sequence[LawTrial]) -> Table:
 
 
 def scan_text(trials: Sequence[LawTrial]) -> str:
-    """Return the range and the steps of the limits that `trials` flew, in sentences.
+    """Return the range and the steps of the limits that `trials` flew, over ideal trim, as text.
 
     All trials fly the first's limits: a coarse scan of `STEPS` steps, and `ABOVE` of these above
     each edge of losses in `PARTS` parts each.

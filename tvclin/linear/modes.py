@@ -142,7 +142,7 @@ def separated_poles(poles: AnyArray) -> AnyArray:
     separated = np.array(poles)
     for i in range(poles.shape[-1] - 1):
         first, second = separated[..., i], separated[..., i + 1]
-        mean = np.real(0.5 * (first + second))
+        mean = np.real(0.5 * (first + second))  # NaN where a pole is missing: not repeated
         repeated = np.abs(first - second) < _REPEATED_POLE_DISTANCE * mean
         for k, sign in ((i, 1.0), (i + 1, -1.0)):
             separated[..., k] = np.where(

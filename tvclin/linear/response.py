@@ -214,7 +214,8 @@ def _by_lags(
     ``(n,)``. `shape`: shape of the batch.
     """
     rows = []
-    component = _lagged if shape else _latest  # for one case with a cache
+    # histories of an output in response to one input; those of one case are cached
+    component = _lagged if shape else _latest
     for output in outputs:
         from_deflection = component(plant, output, "deflection", deflection)(times)
         from_wind = component(plant, output, "wind", wind)(times)

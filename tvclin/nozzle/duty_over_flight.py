@@ -455,14 +455,15 @@ def _verdict(
     """Return the verdict from the requirements of all flights and of the theory of a known wind.
 
     A point has the minimum angle d0 [rad] of any control in its wind, the fast unstable pole p
-    [1/s] (0 without one, NaN for a complex pair), and its share of the limit [rad].
+    [1/s] (0 without one, NaN for a complex pair), the deflection limit of its plane [rad], and the
+    flown `duty`, None where the flight is lost or not judged.
 
     `conditions`: common to all flights. `points`: all flights. `duties`: of the whole flight, by
     wind. `unknown`: what cannot be judged, in words. `turbulence`: counted on top of each wind, or
     None.
     """
     nozzle = conditions.case.nozzle
-    if unknown and not points:
+    if unknown and not points:  # no flight and no theory to require anything
         return NozzleVerdict.unknown_of(nozzle, unknown)
     max_rate = conditions.case.hardware["rate_limit"]
     minimum, pole, limit = (
@@ -471,7 +472,7 @@ def _verdict(
     )
     flown = [point.duty for point in points if point.duty is not None]
     # Of any control that knows the wind: the angle with a ramp at the rate limit, and the rate of
-    # a ramp to the deflection limit.
+    # a ramp to the deflection limit. For a complex pair the angle is d0, and the rate 0.
     with np.errstate(invalid="ignore"):  # without a pole the 1e-9 divides, and nothing is required
         ramped = ramped_deflection(minimum, np.maximum(pole, 1e-9), max_rate)
         theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
@@ -480,7 +481,8 @@ def _verdict(
     travel = float(np.max([duty.travel for duty in duties], initial=0.0))
     required = requirements_on_nozzle(nozzle, flown, travel)
     ratio = float(np.max(np.maximum(theory, angles) / limit, initial=0.0))
-    required["limit"] = conditions.limit * ratio  # of both planes, from the worst share
+    # the limit of the nozzle in proportion to the point that takes most of the limit in its plane
+    required["limit"] = conditions.limit * ratio
     required["rate_limit"] = max(float(rates.max(initial=0.0)), required["rate_limit"])
     if turbulence is not None:
         _add_turbulence(required, points, turbulence, nozzle)

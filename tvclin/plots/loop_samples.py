@@ -127,7 +127,8 @@ def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) ->
     """Return the samples of one loop.
 
     `figure`: name of the figure, for messages. `autopilot`, `plant`: an autopilot and its plant, or
-    a loop alone. A plant with modes has margins by band: of its rigid part and of each mode.
+    a loop alone, whose vehicle's poles and modes are not known. A plant with modes has margins by
+    band: of its rigid part and of each mode.
     `InputError` for a batch, and for a loop with a plant.
     """
     if isinstance(autopilot, Loop):

@@ -502,6 +502,7 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
     """
     marks = margin_marks(samples, lambda omega: (0.0, omega))[:2]  # without the phase margin
     aero_margin, gain_increase = samples.margins.aero_margin, samples.margins.gain_increase
+    # in the order of the marks
     factors = (1.0 / aero_margin if aero_margin else np.inf, gain_increase)
     axis_marks = []
     for mark, factor in zip(marks, factors, strict=False):

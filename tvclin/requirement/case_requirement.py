@@ -242,7 +242,8 @@ class CaseRequirement:
     def judged(self) -> dict[str, Any]:
         """Fields `sufficient` and `survivable_peak` [rad]; None without a limit or where `unknown`.
 
-        A limit below the requirement at nominal dynamic pressure is not sufficient in any case.
+        A limit below the requirement at nominal dynamic pressure is not sufficient in any case. The
+        peak has the sign of `judged_peak`, and at most the size of `peak_bound`, at 30 deg.
         """
         limit, needed = self.limit, self.required_deflection
         if limit is None:
@@ -259,9 +260,11 @@ class CaseRequirement:
         # factor on the wind that the limit survives, if the requirement is in proportion to it
         size = limit / needed if needed else np.inf
         if not self.at_nominal_pressure and _MIN_SIZE < size < np.inf:
+            # the dynamic pressure changes with the wind, so the factor is a root
             largest = MAX_LINEAR_ANGLE / self.wind_angle
             size = survived_size(limit, needed, self.required_at, largest)
         bound = self.peak_bound
+        # infinite where nothing is required
         peak = bound if np.isinf(size) else self.judged_peak * size
         return {
             "sufficient": bool(covers(limit, needed)),

@@ -94,7 +94,6 @@ def encountered_wind(
         Factor on the wind.
     values : mapping, optional
         Dispersed peaks [rad] and durations [s] of cases; see `ShapedWind.history`.
-
     """
     values = values or {}
     path, velocity = np.asarray(vehicle.attitude), np.asarray(vehicle.velocity)

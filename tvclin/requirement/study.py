@@ -475,7 +475,8 @@ class Study(CaseRequirement, Shown):
     def nominal_requirements(self) -> dict[str, FloatArray]:
         """Required deflections [rad] at nominal dynamic pressure at each of `dead_bands`, by model.
 
-        NaN in a wind beyond linear aerodynamics.
+        They are sizes without sign, ``(k,)`` for each name of a linear model, the keys of
+        `boundaries`; NaN in a wind beyond linear aerodynamics.
         """
         unknown = np.nan if self.beyond_linear else 1.0  # factor on the requirements
         return {
@@ -547,6 +548,7 @@ def _bounds_by_model(
     boundaries, forecast_free, minima = {}, {}, {}
     start = min(0.0, float(wind.onset))  # first time [s] at which a control acts
     for name, plant in plants.items():
+        # its status names the open-loop requirement where a slower mode makes that larger
         boundary = boundary_limit(plant, wind, dead_bands, switch)
         boundaries[name] = with_larger_requirements(plant, wind, dead_bands, boundary)
         with suppress(InputError):

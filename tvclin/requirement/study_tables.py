@@ -262,7 +262,12 @@ def _judged(study: Study) -> list[_Judged]:
 
 
 def requirement(study: Study) -> Line:
-    """Return the required deflection with its basis, and the peak that the limit survives."""
+    """Return the required deflection with its basis, and the peak that the limit survives.
+
+    The basis is the model, the dead band with its exit unless it is on trim ("literal", the
+    default), the dynamic pressure, and what governs. The peak, where a limit was given, is a lower
+    bound (`survives_bound`) at 30 deg; `peak_of` names it if it is of a vector.
+    """
     switch = "" if study.switch == "literal" else f", left when {LEFT_WHEN[study.switch]}"
     air = f", dynamic pressure {AIR[study.sign]}" if study.sign and study.direction != CROSS else ""
     if study.at_nominal_pressure and study.sign != FROZEN:

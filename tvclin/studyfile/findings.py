@@ -408,8 +408,9 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
     """Return the autopilot requirement at nominal dynamic pressure, as a boundary of flights.
 
-    `plan`, `study`: the study plan, and its study. `loop`: result with the plant that flies and its
-    autopilot; of a flexible vehicle it has the boundary already.
+    It is the smallest deflection limit with which the autopilot survives the wind. `study` has
+    `plane_ratio`, the limit of both planes over the share of the plane that flies. `loop`: result
+    with the plant that flies and its autopilot; of a flexible vehicle it has the boundary already.
     """
     from tvclin.case.flexible_autopilot import FlexibleAnswer
     from tvclin.requirement.autopilot_requirement import autopilot_boundary

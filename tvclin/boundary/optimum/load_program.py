@@ -307,6 +307,7 @@ class LoadProgram:
     ) -> tuple[float, float]:
         """Return the lower bound [rad] of the peak at zero load, and its decrease per load.
 
+        By duality: (weighted load of the reference - A)/N, with A and N of `LoadWeights.proof`.
         `weights`: prices of the load rows, its weights at the nodes, or with a load of the
         deflection itself (M) at both ends of each cell. `prices`: prices of the unstable modes.
         `rate_prices`: prices of the rate limit in each cell, or None.
@@ -315,8 +316,11 @@ class LoadProgram:
         if case.ratio == 0.0:
             _, high, low = self._loads
             node_weights, density_ends = np.append(0.0, weights), np.zeros((2, n))
+            # at each node the load without the variables on the side that the weight's sign bounds
             weighted_load = float(weights @ np.where(weights > 0.0, high, low)) * self._unit
-        else:  # the density with the same moments, straight in each cell
+        else:
+            # weights at both ends of a cell as a density [1/s], straight in the cell, of the same
+            # sum and first moment; the clip keeps it of one sign, and any weights prove a bound
             node_weights, (start, end) = np.zeros(n + 1), weights.reshape(2, n) / self.widths
             total = start + end
             share = np.where(total == 0.0, 0.5, start / np.where(total == 0.0, 1.0, total))

@@ -376,6 +376,7 @@ def _is_sufficient(poles: AnyArray, demands: AnyArray, peak: FloatArray) -> Bool
     most peak e^(-p T)/p. That bounds c to an interval. If at both its ends the two other poles
     require no more than the peak, a c of the interval satisfies all conditions.
     """
+    # first few T with cheap upper bounds of the peak of a pair, then more T with the peak itself
     proved = _proved(poles, demands, peak, _SPANS, _pair_peak_bounds)
     unproved = np.flatnonzero(~proved)
     proved[unproved] = _proved(

@@ -550,6 +550,8 @@ def poles_in_s(loop: Loop) -> ComplexArray:
 def w_plane_loop(matrices: tuple[FloatArray, ...], period: FloatArray) -> StateLoop:
     """Return loops in w = (2/h)(z - 1)/(z + 1) of open loops L(z) = C (z - A)^-1 B + D.
 
+    w = j v is a point z = e^(j omega h) of the unit circle, with v = (2/h) tan(omega h/2) [rad/s];
+    so margins are computed as in continuous time. The batch ``(...)`` is flattened to k loops.
     `matrices`: A, B, C and D of one input and output. `period`: h [s], ``(...)``.
     """
     A, B, C, D = state_space.from_steps(matrices, 0.5 * period)  # type: ignore[arg-type]

@@ -304,6 +304,7 @@ def march(
     time, after its sample, ``(states, states)``; by default that of a vehicle at rest and a
     stationary filter of turbulence. `InputError` for numbers that overflow, of an unstable loop.
     """
+    # wind at the times [rad]; a jump, such as a sample of the law, changes the states at one time
     angles = np.zeros(times.size) if wind is None else np.asarray(wind(times))
     first_loop = loop if isinstance(loop, DrivenLoop) else loop.at(times[:1]).mapped(np.squeeze)
     n = first_loop.A.shape[-1]

@@ -253,7 +253,8 @@ class Judge:
     def _unjudged(self, soundings: Soundings) -> dict[str, BoolArray]:
         """Return whether a reason not to judge n soundings holds, ``(n,)``, by the reason.
 
-        They end below, or begin above, the height of the largest dynamic pressure, or are too low.
+        They end below, or begin above, the height of the largest dynamic pressure, or end below the
+        height `known_to` [m] to which a sounding must go, where it is given.
         """
         bottom, top = np.full((2, len(soundings)), np.nan)  # [m]; NaN without a level
         full = soundings.counts > 0

@@ -207,8 +207,9 @@ class FlightPath:
     def nominal_angle(self, wind: FloatArray, times: FloatArray, plane: str) -> FloatArray:
         """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight.
 
-        `times`: times of the winds [s]. `plane`: "pitch" for winds along the path, "yaw" for those
-        across it.
+        Of a horizontal wind in the vertical plane of the path only the component normal to the
+        path makes an angle, its speed times the sine of the path angle `climb`. `times`: times of
+        the winds [s]. `plane`: "pitch" for winds along the path, "yaw" for winds across it.
         """
         speed, climb = self.speed_and_climb(times)
         return _angle(wind / speed * (1.0 if plane == "yaw" else np.sin(climb)))

@@ -190,9 +190,9 @@ def checked_flight(
     """Return the checked arguments of a flight of an autopilot in a wind.
 
     `flight`: vehicle at its flight times. `start`, `stop`: ends of the flight [s], by default those
-    of flight and wind; without a stop an undecided flight goes on. `model`, `plane`: model and
-    plane of the motion. `InputError` for a batch of autopilots, and a delay or sample rate that
-    varies.
+    of flight and wind; without a stop an undecided flight goes on (`goes_on`). `model`, `plane`:
+    model and plane of the motion. `InputError` for a batch of autopilots, and a delay or sample
+    rate that varies.
     """
     first, last = wind.span(flight, start, stop)
     along = FlownFlight(

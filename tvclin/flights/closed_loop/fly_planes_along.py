@@ -124,6 +124,7 @@ def fly_planes_along(
     if pair[0].law.sample_rate != pair[1].law.sample_rate:
         raise errors.InputError("autopilot must have the same sample_rate in both planes")
     flown = _flight_in_planes(pair, shape, limit, max_rate)
+    # an undecided flight is flown anew to a later end, if there is one at which it can be settled
     further = _continuation(pair) if flown.status == UNDECIDED else None
     return flown if further is None else _flight_in_planes(further, shape, limit, max_rate)
 

@@ -145,6 +145,7 @@ def law_batch(law: Any, shape: tuple[int, ...]) -> LawBatch:
     position = {key: k for k, key in enumerate(different)}
     index = np.array([position[id(element)] for element in laws.flat], dtype=np.int64)
     distinct = tuple(different.values())
+    # numbers of each law for the kernel, and its filters; `which` is its index for each flight
     numbers = [element.numbers for element in distinct]
     chains = [element.chains for element in distinct]
     which = np.broadcast_to(index.reshape(laws.shape), shape).ravel()

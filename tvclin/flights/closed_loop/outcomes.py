@@ -39,11 +39,12 @@ def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
 
     A coordinate of an unstable mode [rad] is recoverable below 1/``|B|``, the `reach`, times the
     deflection limit, B being the trim deflection per angle of attack; of two modes it depends on
-    both.
+    both, and on `ratio`, the slow over the fast pole. The times `settling` and `waiting` [s] are 5
+    time constants of the fastest and 60 of the slowest unstable mode.
     """
     fast, slow, reach = _unstable_poles(plant)
     two, B = ~np.isnan(slow), np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()
-    slow = np.where(two, slow, fast)
+    slow = np.where(two, slow, fast)  # a single pole is the fastest and the slowest
     first = coordinate_rows(plant, fast, B)
     second = coordinate_rows(plant, slow, B) if np.any(two) else first
     return OutcomeCriteria(

@@ -305,6 +305,7 @@ class Stages:
         for run, surface in pending:
             times, at = self.times[run], pressure[:, run]
             still = np.zeros(times.size)
+            # matrices over a part of a sample depend on the pressure at its two Gauss points
             for p in range(parts):
                 # pressure in the middle of the part, and its change to the second Gauss point
                 mean, change = 0.5 * (at[p] + at[parts + p]), 0.5 * (at[parts + p] - at[p])
@@ -366,6 +367,7 @@ class Stages:
         """
         # lengths [s] of the parts of a sample; the first is that after the arrival of a command
         lengths = self._timing.lengths[0, 1:, np.newaxis]
+        # this part ends the sample; the second, before the arrival, begins it
         begins = times + np.stack([self.period - lengths[0], [0.0]])[: len(lengths)]
         at = [begins + node * lengths for node in GAUSS_NODES]
         return np.concatenate([*at, [times, times + 0.5 * self.period]])
@@ -544,8 +546,9 @@ class Stages:
 
         `batch`: result of `Stages.batch`. There is a vehicle, a law and perhaps a memory for each
         sample: a flight has the indices of its first one, and `stages` is the number of those that
-        follow. It ends at its last sample, without waiting for an outcome, and has no noise
-        (`sequence`).
+        follow. It ends at its last sample (`finish`), without waiting for an outcome, and has no
+        noise (`sequence`). `ends` and `settling`: samples up to the end of the wind, and for which
+        a flight must be settled.
         """
         count, (vehicle, wind) = batch.shape[0], batch.indices
         flight, (ends, settling) = self.flight_of_wind[wind], self._judged

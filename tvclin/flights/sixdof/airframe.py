@@ -245,7 +245,9 @@ class Prediction:
 
         `angle`: wind angle [rad] at the end of the step. `nominal`: outputs of the nominal flight
         there, a `Row`. The rate is by second-order Adams-Bashforth; attitude and path rotate
-        on, and the angle of attack changes by the rotation of attitude, path and wind.
+        on, and the angle of attack changes by the rotation of attitude, path and wind. `_path` and
+        `_path_before` are the path angle now and a step before; `_lateral` adds drift and
+        acceleration where the law measures them.
         """
         h, rate = self._step, self._rate
         next_rate = rate + h * (1.5 * self._acceleration - 0.5 * self._acceleration_before)
@@ -326,6 +328,7 @@ class Airframe:
         self._readers = {name: motion_readers(engine, name, heading) for name in DEFLECTIONS}
         self._wind_setters = {name: wind_setter(engine, name, heading) for name in DEFLECTIONS}
         self._plane, c = plane, Coefficients.from_vehicle(vehicle, plane)
+        # of the attitude hold of the nominal flight; a frozen vehicle over a plane needs none
         self._gains = _hold_gains(c) if surroundings else None
         self._nominal: list[Row] = []
 

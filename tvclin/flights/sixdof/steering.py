@@ -234,8 +234,10 @@ class LateralMotion:
     def _lagged(self, force: float) -> float:
         """Return the acceleration [m/s^2] of the accelerometer at the end of a step, with its lag.
 
-        It is exact for a force that is a straight line over the step. `force`: force per mass there
-        [m/s^2].
+        It is exact for a force that is a straight line over the step, from `_force` at its begin.
+        `_acceleration` is the lagged value at the begin; a lag keeps the fraction `_decay` of a
+        difference over a step, and follows a line that rises by 1 up to `_ramp`. `force`: force per
+        mass at the end, at the accelerometer [m/s^2].
         """
         decayed = self._force + self._decay * (self._acceleration - self._force)
         return decayed + self._ramp * (force - self._force)

@@ -598,8 +598,10 @@ def _winds_along(
 ) -> dict[str, EncounteredWind]:
     """Return the pulse of a case along the flight from time `begins` [s], by direction.
 
-    `InputError` beyond linear aerodynamics. `mode`: unstable mode along the flight. `K`: dead band,
-    for which the time of a gust is the worst.
+    The pulse keeps its peak and duration; path and speed of the vehicle, on which its angles and
+    dynamic pressure depend, vary along the schedule of `mode`, the unstable mode along the flight.
+    `K`: dead band, for which the time of a gust is the worst. `InputError` beyond linear
+    aerodynamics.
     """
     vehicle = complete_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
     along = mode.schedule.vehicle  # the vehicle at all times of the schedule

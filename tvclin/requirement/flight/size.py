@@ -378,7 +378,7 @@ def _plane_sizing(
     needs = [[count_need(next(frozen)) for _ in row] for row in placed]
     required = _columns(needs, bands)
     slow = _table(needs, lambda need: need.slow_mode)
-    messages, arises = _messages(inputs.times, needs), {}
+    messages, arises = _messages(inputs.times, needs), {}  # arises: flight time of a requirement
     if varying is not False:
         try:
             begins, ends = zip(
@@ -395,6 +395,7 @@ def _plane_sizing(
                 raise
             messages.append(f"parameters are frozen at each flight time: {error}")
     rows = list(zip(vehicles, placed, strict=True))
+    # durations [s] of a triangular wind up to which a boundary with a single pole holds
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [[_change(schedule, plane, v, w) for w in row] for v, row in rows]

@@ -90,7 +90,7 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
         more: list[list[Line]],
         shown: Iterable[bool] = repeat(True),
     ) -> Table:
-        """Return the table of the requirements `names`, by flight time.
+        """Return the table of the requirements `names` [deg] in the wind `wind`, by flight time.
 
         `times`: first cells of rows. `last`, `more`: heads of the last columns, and their cells by
         row. `shown`: whether a row is in the table.

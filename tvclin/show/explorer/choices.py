@@ -292,6 +292,7 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
     `base`: plan of the file. `vehicle`: the chosen vehicle. `v`: values of the controls, by field.
     None for a wind or gust without a speed, and once its angle, its vehicle or direction changed.
     """
+    # values with which sliders and lists begin, those of the file
     start: Values = {k: slider.value for k, slider in sliders(base, [base.vehicle]).items()}
     start |= {k: begin for k, (_, _, begin) in lists(base, vehicles=[""]).items()}
     wind = base.wind
