@@ -246,7 +246,10 @@ class MeasuredPlanes:
         return next(iter(self.parts.values())).gaps
 
     def __call__(self, vehicle: Vehicle) -> PlaneWind:
-        """Return the wind around the vehicle's time [s], in flight time; zero where it is calm."""
+        """Return the wind around the vehicle's time [s], in flight time; zero where it is calm.
+
+        `parts` are the winds of the sounding by plane, each a function of the vehicle.
+        """
         calm = next(iter(self.parts.values())).wind * 0.0
         pitch, yaw = (self.component(plane, vehicle) for plane in PLANES)
         return PlaneWind(

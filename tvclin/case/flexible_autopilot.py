@@ -66,8 +66,8 @@ def flexible_answer(
 
     The autopilot is designed on the rigid plant, except for gains by a search, such as gains for
     the minimum deflection. `criteria`: criteria for detuned modes. `limit`: deflection limit of the
-    flight [rad]. `hardware`: actuator, rate limit, delay and sample rate of flights, by name.
-    `InputError` where margins or boundaries cannot be computed.
+    flight [rad], None for no flight. `hardware`: actuator, rate limit, delay and sample rate of
+    flights, by name. `InputError` where margins or boundaries cannot be computed.
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)

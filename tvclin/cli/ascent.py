@@ -63,7 +63,8 @@ if TYPE_CHECKING:
 def is_scheduled(case: Case, source: str) -> bool:
     """Return whether the file `source` of a case has an autopilot over the flight.
 
-    False for an autopilot of one flight time.
+    It has one with gains that vary, or with an autopilot for a file of the whole flight; not with
+    an autopilot for one flight time.
     """
     if not isinstance(case, StudyPlan) or case.sizing is None:
         return False

@@ -242,6 +242,7 @@ _MIN_DURATION_RATIO, _MAX_DURATION_RATIO = 0.2, 8.0
 def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFlight":
     """Return the flight of an autopilot, where its loop or a limit allows one, and its requirement.
 
+    Without a limit the flight needs a requirement that is known; `reason` says why it is not.
     `linear`: case, wind and law. `more`: whether boundaries are sought for a given limit too.
     `times`: times of the flight [s], ``(n,)``.
     """

@@ -418,7 +418,10 @@ def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
 
 
 def _load_trade_off(case: StudyPlan) -> LoadTradeOff:
-    """Return the trade-off curve of limit over load, by the load limit of a file if it has one."""
+    """Return the trade-off curve of deflection limit over load of a case, in its wind.
+
+    With the load limit of the file, if it has one; else the load is the angle of attack [rad].
+    """
     if case.load is not None:
         return case.load.trade_off(case)
     limit, rate = case.nozzle.limit, case.nozzle.rate_limit

@@ -353,7 +353,8 @@ def _survive(
 ) -> BoolArray:
     """Return whether rows of gains survive all winds with limits normalised by trim, ``(k, n)``.
 
-    `problem`: plant and nozzle. `rows`: autopilots of all rows, ``(m,)``. `winds`: batch of winds.
+    `problem`: plant, nozzle, and `trims`, the largest trim deflection [rad] in each wind; `chains`
+    are its filters. `rows`: autopilots of all rows, ``(m,)``. `winds`: batch of winds.
     `which`: indices of k of the rows. `limits`: n for each of these rows, ``(k, n)``, over the
     largest trim deflection of the winds.
     """

@@ -347,7 +347,10 @@ def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
     """
 
     def bounds_in(wind: History) -> Bounds:
-        """Return trim [deg] in a wind, and the bounds of every law over trim."""
+        """Return trim [deg] in a wind, and lower bounds of the limit of every law over trim.
+
+        The first bound is without a forecast of the wind, the second of a control that knows it.
+        """
         trim = abs(float(plant.coefficients.B * wind.peak))
         # The control of the known wind may begin at time 0, ahead of a later onset.
         peak = _defined(lambda: optimum_deflection(plant, wind, min(0.0, float(wind.onset))).peak)

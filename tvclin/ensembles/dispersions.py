@@ -119,7 +119,7 @@ class Dispersions:
         if len(set(names)) < len(names):
             raise errors.InputError(f"a parameter is dispersed twice: {', '.join(sorted(names))}")
         if self.correlation is not None:
-            _ = self._factor
+            _ = self._factor  # refuses a matrix of no correlation
 
     @property
     def words(self) -> str:

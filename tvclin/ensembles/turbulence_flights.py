@@ -90,9 +90,9 @@ class TurbulenceFlights(Shown):
     def is_linear(self) -> bool:
         """Whether rms, travel and crossings of the linear loop hold for flights with the limit.
 
-        They do if the limit is exceeded so seldom that saturation takes about a percent of the gain
-        at most. Survival follows from the flights alone: a rare excursion may lose an unstable
-        vehicle.
+        They do if the linear loop is beyond the limit for at most a percent of the time, which
+        lowers the gain by about as much (`MAX_LINEAR_EXCEEDANCE`). Survival follows from the
+        flights alone: a rare excursion may lose an unstable vehicle.
         """
         return self.largest_exceedance <= MAX_LINEAR_EXCEEDANCE
 

@@ -352,9 +352,9 @@ class SystemPlant(Plant):
         """Gain of each input in each mode ``(..., n, inputs)``, and of each mode in each output.
 
         With the left and right eigenvectors l and r of a mode, the gains are l B/(l r), and the
-        outputs C r, ``(..., n, outputs)``.
+        outputs C r, ``(..., n, outputs)``. Both are real where all poles are.
         """
-        _, rows, right = self._eigenvectors
+        _, rows, right = self._eigenvectors  # l in rows, r in columns
         with np.errstate(all="ignore"):
             gains = rows @ self._system.B
             gains = gains / np.einsum("...ij,...ji->...i", rows, right)[..., np.newaxis]

@@ -78,8 +78,9 @@ class Motion:
     def of_flight(cls, flight: NozzleFlight) -> Self:
         """Return the motion of a flight with its actuator, right after the start of each step.
 
-        Integrals take every second time, in the middle between two changes of the command. Without
-        an actuator the motion is taken from sample to sample.
+        Integrals take every second time, in the middle between two changes of the command, with the
+        time [s] between the changes as its weight. Without an actuator the motion is taken from
+        sample to sample.
         """
         t, delta, alpha = flight.times, flight.deflection, flight.angle_of_attack
         if flight.rate is None or flight.acceleration is None:

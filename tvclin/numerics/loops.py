@@ -394,8 +394,9 @@ class StateLoop:
     def real_frequencies(self) -> FloatArray:
         """Return the frequencies [rad/s] at which L without its delay is real, ``(k, m)``.
 
-        They are zeros of L(s) - L(-s), whose state matrix is block diagonal in A and -A; NaN fills
-        the rows.
+        They are zeros of L(s) - L(-s) on the imaginary axis, where L(-s) is the conjugate of L(s).
+        Its state matrix is block diagonal in A and -A, and its direct term zero. NaN fills the
+        rows; a zero far above the largest pole is one at infinity, and left out.
         """
         A, B, C, D = self._matrices
         zero = np.zeros_like(A)

@@ -387,7 +387,11 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
     column, widths = s[..., np.newaxis], pieces.widths
 
     def at(t: FloatArray) -> AnyArray:
-        """Return the integrals from times t ``(..., m)`` [s] on; infinite where they diverge."""
+        """Return the integrals from times t ``(..., m)`` [s] on; infinite where they diverge.
+
+        `local` is of the rest of the piece at t, `tail` of the later ones, and `lead` of all,
+        where t is before the first knot.
+        """
         index, u = locate(pieces, t)
         before_first = u < 0.0
         u = np.maximum(u, 0.0)

@@ -179,6 +179,7 @@ def wind_chart(autopilot: Autopilot, plant: AnyPlant, wind: History) -> "Control
     if status == "ok":
         value, when = answer.peak("deflection")
         peak = Mark(when, float(np.degrees(value)), colour=WARM)
+        # up to beyond the peak, which is one of the times
         times = np.union1d(_times(start, max(stop, 1.1 * when), wind, count), when)
     words = loop_words(autopilot, plant)
     curves = _wind_curves(answer, plant, wind, times, f"{words}; {VERDICTS[status]}")

@@ -80,9 +80,10 @@ def autopilot_requirement(
 ) -> AutopilotRequirement:
     """Return the autopilot requirement of a case, in its plane alone.
 
+    It is at nominal dynamic pressure, and at the pressure in the wind where this counts (`head`).
     `plant` and `autopilot` are what flies; `need` is the requirement of the case, None where it has
-    none, as in a measured wind. `InputError` for a law or hardware that cannot be flown, as of
-    `closed_loop_boundary`.
+    none, as in a measured wind. `InputError` for a law or hardware that cannot be flown, in the
+    same cases as `closed_loop_boundary`.
     """
     nominal = autopilot_boundary(case, plant, autopilot)
     if need is None and not isinstance(case.wind, ShapedWind):

@@ -284,8 +284,10 @@ class CaseRequirement:
 def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     """Return the requirement of a wind of one shape on the nozzle of a case.
 
-    `dead_band`: K, from 0 to 1. `InputError` for a wind that is not of one shape, a batch, a limit
-    of both planes without a direction of the wind, and a sign whose effect is not known.
+    `dead_band`: K, from 0 to 1. Where the requirement at the dynamic pressure in the wind is not
+    known, the reason is in `encountered_unknown`. `InputError` for a wind that is not of one shape,
+    a batch, a limit of both planes without a direction of the wind, and a sign of the wind whose
+    effect on this pressure cannot be computed.
     """
     K, wind = number("dead_band", dead_band, between(0.0, 1.0)), pulse_of(case)
     single("vehicle", coefficients_of(case.vehicle, case.plane).batch)

@@ -414,7 +414,11 @@ class StudyResponse:
 
     @property
     def note(self) -> str:
-        """Reason of the end, in sentences."""
+        """Reason why the shown response of the attitude ends, in sentences.
+
+        A limit that turns the vehicle over when held, but is sufficient, is explained.
+        """
+        # attitude errors with the wind and against it
         largest = self.extremes
         if largest.with_wind is None and largest.against_wind is None:  # no attitude error
             return "Trim stays within the limit, and the attitude at zero."

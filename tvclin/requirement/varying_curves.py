@@ -211,9 +211,10 @@ class Curves:
     def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.
 
-        Both are ``(n,)``; the limit is NaN for a wind of two signs. The limit is the demand, the
-        limit sufficient when held, where trim, at a new maximum, is K times it, and leaves the dead
-        band; of several solutions the last has the largest limit. With K = 0 the exit is the onset.
+        Both are ``(n,)``; the limit is NaN for a wind of two signs. The demand at a time is the
+        limit that is sufficient when held from then on. The dead band is left, and the limit held,
+        at a new maximum of trim that is K times the demand: the limit is the demand then. Of
+        several such times the last has the largest limit. With K = 0 the exit is the onset.
         """
         if dead_band == 0.0:
             limit = self.sign * self.demand[:, 0, 0]

@@ -307,7 +307,8 @@ def nominal_notes(findings: Findings) -> Iterator[str]:
 def loop_notes(findings: Findings) -> Iterator[str]:
     """Yield notes on properties of autopilot and nozzle that the plan leaves open.
 
-    `findings`: results of the plan.
+    `findings`: results of the plan. There are none without margins, nozzle duty and turbulence,
+    which alone depend on these properties.
     """
     margins, plan, air = findings.margins, findings.plan, findings.turbulence
     if margins is None and findings.duty is None and air is None:

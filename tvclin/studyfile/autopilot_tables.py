@@ -78,7 +78,11 @@ def failure(findings: Findings) -> Line:
 
 
 def requirement_warnings(findings: Findings) -> Iterator[str]:
-    """Yield the statuses in findings that make the autopilot requirement doubtful, as text."""
+    """Yield the statuses in findings that make the autopilot requirement doubtful, as text.
+
+    They are of its minimum limits in flight, for a flexible structure of the flexible and of the
+    rigid vehicle (`boundaries`), else of the rigid one alone (`stop`).
+    """
     f = findings.flexible
     if f is not None:
         names = ("the flexible vehicle", "the rigid vehicle")
@@ -134,7 +138,8 @@ def autopilot_as_law(findings: Findings) -> Line:
     """Return the sentence on how the autopilot is flown among the laws, and how for the verdict.
 
     `findings`: results of a study plan with laws. Laws fly without the gust of the wind and, with a
-    rigid vehicle, without actuator and delay. Empty where neither has to be said.
+    rigid vehicle, without actuator and delay; the verdict counts all of these. Empty where neither
+    has to be said.
     """
     plan, s, request = findings.plan, findings.study, findings.plan.laws
     gust = ["the gust"] if s.gust is not None else []

@@ -571,7 +571,8 @@ class FlightsOfLoop:
     def fraction(self) -> Success | None:
         """Fraction of the winds that are survived, with its interval; None for one wind.
 
-        A pulse counts once: it is survived if it is at every flight time. Not known counts as no.
+        A pulse counts once: it is survived if it is survived at every flight time. An outcome that
+        is not known counts as not survived.
         """
         diverged = {outcome.wind for outcome in self.outcomes if not outcome.survived}
         if self.wind_count < _MIN_WINDS:

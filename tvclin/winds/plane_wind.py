@@ -247,7 +247,8 @@ def _veering_component(
     `shape`: shape of the batch to which all three broadcast.
     """
     p = algebra.spread(wind.pieces, shape)
-    # the cosine is half the sum of two exponentials; of a rate of zero one constant term remains
+    # The cosine is half the sum of exponentials with the rates +j rates and -j rates, which are
+    # added to the rates of the wind's terms; of a rate of zero one constant term remains.
     rates = np.broadcast_to(rates, shape)[..., np.newaxis]
     phase = np.broadcast_to(direction - rates[..., 0] * wind.onset, shape)[..., np.newaxis]
     constant = np.where(rates == 0.0, np.real(unit_vector(phase)), 0.0)

@@ -248,9 +248,10 @@ def _with_last_switch(window: Window) -> SignedSum | None:
 def _from_grid(window: Window) -> SignedSum:
     """Return the sum of smallest residual, by Newton's iteration from grids in a `window`.
 
-    The residual is the largest relative violation of a condition. A linear program on the grid's
-    cells gives the first switches and multipliers; the cells next to a switch are divided for the
-    next grid.
+    A sum of multipliers times the exponentials of the poles gives the deflection its sign; the
+    residual is the largest relative violation of a condition by that deflection. A linear program
+    on the grid's cells gives the first switches (changes of sign) and the multipliers (`prices`);
+    the cells next to a switch are divided for the next grid.
     """
     cells, best = initial_cells(window), None
     for _ in range(_GRID_REFINEMENTS):
@@ -316,6 +317,7 @@ def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedS
         if geometric:  # times e^(step/multiplier), a pair's multipliers being one complex number
             c = current.window.constraints
             size, change = map(c.complex_values, (current.multipliers, length * step))
+            # a multiplier of zero has no logarithm: the step is added
             still = size == 0.0
             with np.errstate(over="ignore", invalid="ignore"):
                 factor = np.exp(change / np.where(still, 1.0, size))

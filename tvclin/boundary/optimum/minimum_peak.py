@@ -394,8 +394,9 @@ def _proved(
 ) -> BoolArray:
     """Return whether the proof of `_is_sufficient` succeeds with one of T = span/p, ``(n,)``.
 
-    `poles` [1/s], `demands` [rad s]: ``(n, 3)``, the real pole p first. `peak`: to be proved
-    sufficient [rad], ``(n,)``. `spans`: of p T. `pair_peaks`: function of poles and demands of
+    `poles` s [1/s], `demands` [rad s], the integral of e^(-s t) times the deflection for each:
+    ``(n, 3)``, the real pole p first. `peak`: to be proved sufficient [rad], ``(n,)``. `spans`:
+    tried values of p T. `pair_peaks`: function of poles and demands of
     complex pairs to bounds of their minimum peaks [rad].
     """
     p, others = np.real(poles[:, 0]), poles[:, 1:]  # the two others are real, or a pair
@@ -406,9 +407,9 @@ def _proved(
         died, propagated = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
         fits = np.ones(p.shape, dtype=bool)
         for sign in (-1.0, 1.0):
-            # of the constant deflection c up to T and the demand d of p:
-            # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p; for the others c (1 - e^(-s T))/s is done,
-            # and the rest is counted from T.
+            # Ends of the interval of c, the constant deflection up to T, with the demand d of p:
+            # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p. It meets c (1 - e^(-s T))/s of the other
+            # demands; the rest of them, over e^(-s T), is the demand of a deflection from T on.
             c = (p * np.real(demands[:, 0]) + sign * peak * died) / (1.0 - died)
             with np.errstate(all="ignore"):  # what is no number is not proved
                 done = c[:, np.newaxis] * (1.0 - propagated) / others

@@ -326,8 +326,8 @@ class Window:
     def tail(self, multipliers: FloatArray) -> float:
         """Return a bound of the L1 norm, after the window's end, of the sum with `multipliers`.
 
-        Zero without such an end, and where the deflection ends there (the horizon). `multipliers`:
-        ``(n,)``.
+        Each exponential counts with its whole area beyond the end. Zero without such an end, and
+        where the deflection ends there (the horizon). `multipliers`: ``(n,)``.
         """
         c = self.constraints
         if np.isinf(self.end) or np.isfinite(c.horizon):

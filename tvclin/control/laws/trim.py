@@ -80,10 +80,11 @@ class TrimLaw(LinearLaw):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Coefficients of B (alpha + gain z), and the switching levels.
+        """Coefficients of B (alpha + gain z), and the switching levels `engage` and `release`.
 
-        z, the coordinate of the unstable mode [rad], is a sum of attitude, its rate and flight path
-        angle, with the factors of its left eigenvector; on a fixed path the last is zero.
+        alpha is the angle of attack, B the trim deflection per angle of attack. z is the coordinate
+        of the unstable mode [rad], a sum of attitude, its rate and flight path angle, with the
+        factors of its left eigenvector; on a fixed path the last is zero.
         """
         B = float(self.plant.coefficients.B)
         row = measured_coordinates(self.plant).left_eigenvectors[0]  # two factors on a fixed path

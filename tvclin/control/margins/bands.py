@@ -386,9 +386,9 @@ def _rigid(terms: Terms, analysis: LoopAnalysis) -> dict[str, Any]:
 def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dict[str, Any]:
     """Return the fields of `ModeBand` by name, but the name of the mode, of all loops ``(loops,)``.
 
-    `terms`: partial fractions of the loops. `analysis`: their crossings. `k`: index of the mode.
+    `terms`: partial fractions of the loops L. `analysis`: their crossings. `k`: index of the mode.
     `closed`: its closed-loop pole, ``(loops,)``. A mode owns the frequencies at which its partial
-    fraction is the largest term of L.
+    fraction is the largest term of L, and has the margins at these.
     """
     pole = terms.plant[:, k]
     owned = _owned(terms, analysis, k)

@@ -226,7 +226,7 @@ class Loop:
         `delays`: whether the delay margins of a sampled loop are computed, which is most of its
         work; else they are NaN. Delay margins of a continuous loop are always computed.
         """
-        flag("delays", delays)
+        flag("delays", delays)  # without effect on a continuous loop
         return analyse_loops(self.form)
 
     def s_to_w(self, s: AnyArray) -> AnyArray:
@@ -459,7 +459,8 @@ class SampledLoop(Loop):
 
         `case`: index of the loop in the flattened batch. Near half the sample rate |L| depends on
         the delay's fraction of a sample, so that it may reach one at a frequency at which the
-        present |L| is smaller.
+        present |L| is smaller. So delays are tried, and the interval before the first unstable one
+        is divided again.
         """
         h = float(self.period.ravel()[case])
         last = min(maximum, _MAX_SEARCHED_PERIODS * h)

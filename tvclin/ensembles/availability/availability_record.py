@@ -266,7 +266,11 @@ class Availability(Tabled):
         return self._plain(verdicts)
 
     def _columns(self) -> Columns:
-        """Return the table of bounds [rad] and verdicts, by azimuth and time of the sounding."""
+        """Return the table of requirements [rad] and verdicts, by azimuth and sounding time.
+
+        Each requirement has a lower and an upper bound. "from" and "to" are the first and last
+        judged flight time [s] of a sounding, "why" the reason where its verdict is not known.
+        """
         angles = {
             name: np.atleast_2d(getattr(self, name)) for name in ("required", "lower", "upper")
         }

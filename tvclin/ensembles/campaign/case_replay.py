@@ -133,8 +133,8 @@ class Replay:
     def _required_encountered(self) -> float:
         """Required deflection [rad] at `dead_band` and the dynamic pressure encountered, a size.
 
-        Of both planes where both are judged. In a single plane, where the campaign has no column of
-        it, it is at nominal dynamic pressure.
+        It is the column of the campaign, if there is one. Else it is computed where both planes are
+        judged, and in a single plane it is `required`, at nominal dynamic pressure.
         """
         column = self.outputs.get(required_name(self.dead_band))
         if column is not None or self.campaign.planes != BOTH:

@@ -155,7 +155,7 @@ def _plane_batch(
 
     `vehicle`, `values`: vehicles and dispersed values [SI] of cases, ``(n,)`` each. `wind`: winds
     in the plane [rad]. `wind_angle`: sizes of the peaks of the winds in any plane [rad], ``(n,)``.
-    `count`: number n of the cases.
+    `count`: number n of the cases. A gain without a dispersed value is nominal.
     """
     plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
     return Batch(

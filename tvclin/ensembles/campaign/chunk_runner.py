@@ -345,7 +345,7 @@ def _work(
             "a shard does not know when the whole campaign has converged; give one of the two"
         )
     check_versions(manifest)
-    sweep(folder)
+    sweep(folder)  # temporary files of killed workers
     first, step = _shard(shard)
     chunks = range(first, campaign.chunks, step)
     sizes = {k: campaign.span(k)[1] for k in chunks}  # number of cases by chunk

@@ -186,7 +186,8 @@ def law_of(campaign: Campaign, batch: Batch) -> Law:
 def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     """Return survival and peaks [rad] of the flights of a batch of n cases, ``(n,)`` by column.
 
-    Where a campaign judges both planes, they are of both together, with columns of each plane.
+    Where a campaign judges both planes, they are of both together, with columns of each plane; each
+    is flown with its share of the limit, a fraction. A flight that diverges in one plane is lost.
     """
     limit = campaign.nozzle.limit
     assert limit is not None
@@ -199,7 +200,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
         plane: _flown(in_plane, batch.plane_batches[plane], limit * shares[plane])
         for plane, in_plane in campaign.plane_campaigns.items()
     }
-    # a plane without wind: nothing moves, and it survives
+    # in a plane without wind nothing moves, and the flight survives
     calm = {name: np.zeros(batch.count) for name in COLUMNS} | {"flight_survived": np.ones(1)}
     pitch, yaw = (flown.get(plane, calm) for plane in PLANES)
     diverged = (pitch["flight_survived"] == 0.0) | (yaw["flight_survived"] == 0.0)

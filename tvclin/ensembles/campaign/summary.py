@@ -99,7 +99,10 @@ class CampaignSummary(Shown):
 
     @property
     def _why_unknown(self) -> str:
-        """Reason why the requirement of cases is not known, in words; empty if it is known."""
+        """Reason why the requirement of cases is not known, in words; empty if it is known.
+
+        It begins with the reason that holds for the nominal vehicle, if there is one.
+        """
         count = int(np.sum(self.unknown))
         if not count:
             return ""

@@ -393,7 +393,7 @@ def _max_duration(start: float, stop: float, length: float, per_sample: int) -> 
     """Return the longest motion [s] of a nozzle; `InputError` for a longer wind.
 
     `start`, `stop`: onset and end of the wind [s]. `length`: sample period [s]. `per_sample`:
-    number of times in a sample.
+    number of times in a sample at which the motion is computed, at most `_MAX_TIMES` in all.
     """
     check_span(start, stop)
     check_samples(stop - start, length)

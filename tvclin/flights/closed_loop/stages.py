@@ -574,8 +574,9 @@ class Stages:
     def vehicles(self) -> Vehicles:
         """Sensor rows and outcome criteria of the vehicles of all samples.
 
-        A and gust input are set in samples next to a knot of the wind, or in all. `fastest` is the
-        size of the largest pole [1/s] at the breakpoints of a flight, the same in all its samples.
+        The state matrix A and the column of the wind in B (`gust`) are set in samples next to a
+        knot of the wind, where the wind changes within the sample, or in all. `fastest` is the size
+        of the largest pole [1/s] at the breakpoints of a flight, the same in all its samples.
         """
         arrays, moving = self._arrays, self.sensors.system(self.plants)
         # `plants` are at the breakpoints of each flight, and at last in the samples next to knots

@@ -136,7 +136,7 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     def followed(k: int, measured: Measurement) -> float:
         """Return the deflection [rad] of the actuator at step `k`, and update its state."""
         nonlocal servo, last_command
-        servo_next = free @ servo + driven * last_command
+        servo_next = free @ servo + driven * last_command  # deflection, perhaps rate
         if max_rate < np.inf:
             servo_next[0] = servo[0] + np.clip(servo_next[0] - servo[0], -reach, reach)
             servo_next[1:] = np.clip(servo_next[1:], -max_rate, max_rate)

@@ -170,7 +170,8 @@ class FlightMode:
 
         `times`: begin, middle and end of each of S steps of n winds [s], ``(n, S, 3)``. After the
         last unstable time the vehicle is frozen. The costate at the end of each wind includes the
-        remaining flight.
+        remaining flight. Reaches are integrals of p.b, costate times column of the deflection, and
+        absolute reaches of ``|p.b|``: where they differ, p.b changes its sign (`reverses`).
         """
         inside = np.minimum(times.ravel(), self.last_unstable)
         vehicles = [at_pressure(self.schedule.vehicle, ratio) for ratio in PRESSURES]
@@ -481,9 +482,9 @@ def requirements_along(
 
     The exit time is that at which the dead band is left with the required limit. Both deflections
     are zero, and the time is NaN, for a calm and a stable flight. `mode`: unstable mode along the
-    flight. `dead_band`: K, from 0 to 1. A wind counts as long as the vehicle has an unstable pole.
-    Winds with the same number of steps are computed together, but for flights on a quick path,
-    which are computed one by one since their length depends on the others.
+    flight. `dead_band`: K, from 0 to 1. A wind counts as long as the vehicle has an unstable pole
+    (`until_stable`). Winds with the same number of steps are computed together, except on a quick
+    path: there one by one, since the length of such a flight depends on the others of its batch.
     """
     result = np.tile([0.0, 0.0, np.nan], (len(winds), 1))
     # index and wind, by: whether the whole wind counts, index on a quick path, number of steps

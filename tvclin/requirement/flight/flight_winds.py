@@ -140,8 +140,8 @@ def placed_in_planes(
 
     `vehicle`: vehicle at this time. `placing`: "peak" for a wind whose peak is moved to this time,
     "flight" for a wind in flight time, which counts within half a `window` [s] of it. A wind of
-    more than 30 deg, or with a `NotKnownError` at this time, counts as unknown. Same exceptions as
-    `place`; in both planes also for a wind without a direction.
+    more than 30 deg, or with a `NotKnownError` at this time, counts as unknown: a calm with the
+    reason. Same exceptions as `place`; in both planes also for a wind without a direction.
     """
     try:
         if len(planes) == 1:

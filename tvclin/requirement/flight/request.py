@@ -555,7 +555,8 @@ class SizingRequest:
             }
 
         counted = self.counted(sizing, case.sign)
-        # further flight times have only what enters the total, to save time
+        # further flight times have only what enters the total, to save time: the largest K, and
+        # the bound, which takes no flights, unless the limit without a forecast counts
         request = replace(
             self,
             dead_bands=tuple({float(max(self.dead_bands)), counted.dead_band}),

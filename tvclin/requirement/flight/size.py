@@ -142,7 +142,8 @@ def _required(
     corners = {
         name: rectangle(limit_shape, pitch.required[name], yaw.required[name]) for name in defined
     }
-    # largest deflection in pitch and in yaw that the shape with the limit one admits
+    # Largest deflection in pitch and in yaw that the shape with the limit one admits: the
+    # requirement of a plane over it is the limit that contains the requirement of this plane.
     supports = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     larger = {
         name: np.maximum(pitch.required[name] / supports[0], yaw.required[name] / supports[1])

@@ -486,8 +486,8 @@ def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
 def _change_notes(sizing: Sizing) -> list[str]:
     """Return a note on the largest change of beta or B during a wind of a sizing.
 
-    beta [1/s] is the rate of the attitude, B the ratio of trim deflection to angle of attack. None
-    for changes that are small, or with varying parameters.
+    beta [1/s] is the unstable pole on a fixed path, B the ratio of trim deflection to angle of
+    attack. None for changes that are small, or with varying parameters.
     """
     if sizing.freezing_error or not np.any(sizing.change > STEADY):
         return []

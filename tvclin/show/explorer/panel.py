@@ -222,7 +222,7 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
 
     Abscissas are in seconds, ordinates in degrees, both rounded so that they seldom change while a
     slider moves. A curve that exceeds them after the wind, such as that of a diverging vehicle, is
-    cut. `data`: result of `curves`.
+    cut. `data`: result of `curves`, abscissas and ordinates by "panel.line".
     """
     c = answer.choices
     limit, wind_end = float(np.degrees(c.limit)), c.wind.duration

@@ -122,7 +122,11 @@ def geometric(height: FloatArray) -> FloatArray:
 
 
 def profile_of(levels: Levels) -> WindProfile:
-    """Return the wind profile of the levels of a file, with notes on omitted levels."""
+    """Return the wind profile of the levels of a file, with notes on omitted levels.
+
+    It has the ascending levels with a height and a wind. Without two of them, and for levels that
+    cannot be right, `InputError`.
+    """
     speed = np.hypot(levels.east, levels.north)
     for invalid, message in level_faults(speed, height=levels.height):
         levels.text.require(~invalid, levels.line, message)
