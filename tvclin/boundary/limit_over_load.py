@@ -407,8 +407,9 @@ class LoadLimits:
     def _attained(self, load: float) -> float:
         """Return the minimum peak [rad] of a mixture of computed controls, within a load [rad].
 
-        Controls with more and with less load are mixed linearly, as the load is convex in them;
-        infinite without a control with less.
+        `points` are loads and peaks of the controls. A control with more load and one with less
+        are mixed linearly, which is valid as load and peak are convex in the deflection; infinite
+        without a control with less.
         """
         below = [(a, d) for a, d in self.points if a <= load]
         above = [(a, d) for a, d in self.points if a > load]
@@ -468,8 +469,8 @@ class LoadLimits:
         """Angle of attack [rad] without control, and its largest change by a unit deflection.
 
         Both at 1000 times in the wind, ``(1000,)``. The change [rad/rad] is the largest up to each
-        time by a constant deflection from the onset on; infinite where it is zero, to be divided
-        by.
+        time by a constant deflection from the onset on; infinite where it is zero, since loads are
+        divided by it.
         """
         case, start = self.case, float(self.case.wind.onset)
         times = np.linspace(start, float(case.wind.end), 1001)[1:]

@@ -271,6 +271,7 @@ def _scalar_case(pair: PlanePair) -> tuple[Plant, History] | None:
     scalar = wind.component(angle)
     if not scalar.constant_sign:
         return None
+    # of the plants of pitch and yaw: yaw's if the wind of pitch is zero, else pitch's
     return pair.plants[1 if zero_wind[1] and not pair.equal else 0], scalar
 
 

@@ -250,9 +250,10 @@ def _in_soundings(campaign: Campaign, winds: WindOptions, source: str) -> Campai
 def _keys(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     """Return the keys of a file with tables, and their values, by the options that give them.
 
-    Without cases in the file they are set, so that a vehicle becomes a file of a campaign.
-    `values`: values of options by field, None where not given. A key stands where the file has it:
-    in [study] or in [campaign]; options of a pulse are of the first wind that is no sounding.
+    `tables`: tables of the file. `values`: values of options by field, None where not given. A key
+    stands where the file has it: in [study] or in [campaign]; options of a pulse are of the first
+    wind that is no sounding. Without campaign.cases in the file its default is set, so that a
+    vehicle becomes a file of a campaign; so is a pulse with --winds and no wind in the file.
     """
     rows = wind_tables(tables)
     shaped = next((k for k, row in enumerate(rows) if SOUNDING not in row), 0)

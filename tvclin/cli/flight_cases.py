@@ -313,6 +313,7 @@ def flight_case(
     minimum = float(optimum_deflection(plant, wind, float(wind.onset)).peak)
     fields = vars(flying)
     if flying.law in _LAWS_WITH_DEAD_BAND:
+        # the dead band of the control, which has a default where the option is not given
         fields = vars(replace(flying, dead_band=getattr(control, "dead_band", None)))
     return FlightCase(
         **fields,

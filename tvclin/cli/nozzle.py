@@ -343,7 +343,7 @@ class _RequiredRates:
 
     @property
     def document(self) -> dict[str, Any]:
-        """The required rates for JSON."""
+        """The required rates for JSON, linear theory's and the autopilot's; absent where None."""
         rates: dict[str, Any] = {}
         if self.theory is not None:
             rates["required_rate"] = document(self.theory, "limit", "required_rate")

@@ -350,7 +350,8 @@ def _expanded(
 def _in_panel(option: Parameter, panel: str | None) -> Parameter:
     """Return an option in a panel of the help; unchanged without a panel.
 
-    One that its annotation declares, with a plain default, is unchanged too.
+    An option that is declared in its annotation has a plain value as its default, in which no panel
+    can be set: it is unchanged too.
     """
     if panel is None or not hasattr(option.default, "rich_help_panel"):
         return option

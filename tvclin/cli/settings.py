@@ -322,9 +322,9 @@ def in_options(
 ) -> str:
     """Return a message with options in place of arguments.
 
-    `candidates`: the options that may give an argument, its own first. `set_options`: the
-    options of the command line; where that leaves two, or none of a single word, the argument
-    stays.
+    `candidates`: by argument, the options that may give it, the option of the same name first.
+    `set_options`: options of the command line. An argument stays where two of its options are set,
+    and mostly, if it is a single word, where none is set.
     """
     options = set(set_options)
     return "\n".join(_in_options(line, candidates, options) for line in message.split("\n"))

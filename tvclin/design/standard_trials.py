@@ -283,8 +283,9 @@ def _trial(
     """Return the trial of a law in a wind, each a pair of name and value.
 
     `plant`: the plant that flies. `cuts`: number of sudden ends of the wind. `loads`: whether to
-    fly for angle of attack and attitude. `flown`: sample rate and hardware of
-    `closed_loop_boundary`. `progress`: called with finished and total work.
+    fly for the peaks [rad] of angle of attack and attitude, with a limit above the boundary; NaN
+    if not. `flown`: sample rate and hardware of `closed_loop_boundary`. `progress`: called with
+    finished and total work.
     """
     (law_name, flown_law), (wind_name, history) = law, wind
     options = {"cuts": cuts, "highest": _MAX_LIMIT, "progress": progress, **flown}

@@ -196,6 +196,7 @@ def worst_case(
     margins = {name: case.worst(corners, partial(case.margin, name)) for name in _SHOWN_MARGINS}
     deflection = None
     if wind is not None:
+        # where a corner is proved to be the worst (see Notes) nothing is searched
         proved = model == "fixed-path" and K == 1.0 and wind.gust is None
         deflection = case.worst(corners, partial(case.deflection, K), proved)
         deflection = replace(

@@ -184,7 +184,8 @@ def flown_trade_offs(
         """Return the minimum limit of a law, by `name`, in a case at a rate limit [rad/s].
 
         Limits up to three times the largest trim deflection are flown through the wind, and through
-        it with sudden ends. It counts as one of the boundaries done.
+        it with `cuts` sudden ends. It counts as one of the boundaries `done`, of which `advanced`
+        reports the progress.
         """
         nonlocal done
         boundary = closed_loop_boundary(

@@ -322,7 +322,8 @@ class StateLoop:
     def is_pole_or_zero(self, omega: FloatArray) -> BoolArray:
         """Return whether L has a zero or a pole at j omega, to rounding, ``(k,)``.
 
-        `omega`: a frequency for each loop [rad/s], ``(k,)``.
+        `omega`: a frequency for each loop [rad/s], ``(k,)``. A zero is a sum of partial fractions
+        that cancel; it is not recognised in a loop without them (repeated poles, `modal` false).
         """
         s = 1j * omega[:, np.newaxis]
         poles, residues = self.poles[self.case], self.residues[self.case]

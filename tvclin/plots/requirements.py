@@ -200,7 +200,8 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
 def _availability_styles(names: list[str]) -> dict[str, Style]:
     """Return the line styles by name: a full line with its interval, or a style for each azimuth.
 
-    `names`: names of the curves.
+    `names`: names of the curves: azimuths, or with a single azimuth `_FLOWN`, the fraction of
+    soundings that fly, and the ends `_LOWER` and `_UPPER` of its confidence interval.
     """
     if _FLOWN not in names:
         kinds = zip(names, cycle(_COLOURS), cycle(LINES), strict=False)

@@ -551,7 +551,8 @@ def _points(axes: "Axes") -> FloatArray:
 def _outlines(axes: "Axes") -> Iterator[tuple["Polyline", float]]:
     """Yield the curves and boxes in axes in pixels, each with the cost of hiding it.
 
-    What lies below the order 1, such as grid and levels, may be hidden at no cost.
+    What is drawn below the order (zorder) 1, such as grid and levels, may be hidden at no cost; a
+    box costs half as much as a curve.
     """
     from matplotlib.path import Path as Polyline
 

@@ -339,7 +339,8 @@ def _survived(study: Study, limit: float, judged: list[float]) -> list[float]:
 
     Requirements of linear theory are in proportion to the wind, so that a limit survives the peak
     times limit over requirement: for static trim, the dead bands, and the lower bounds at the end.
-    `judged`: peaks [rad] of the rows between them, which are not in proportion.
+    `judged`: peaks [rad] of the rows between them, which are not in proportion. For a
+    requirement of zero the peak is infinite, for a bound that `study.needs` lacks NaN.
     """
     by_dead_band = study.nominal_requirements[study.model]
     bounds = [needs.get(study.model, np.nan) for needs in study.needs.values()]

@@ -512,7 +512,9 @@ class SteppedWinds:
     def curves(self) -> Curves:
         """Return trim and demand [rad] of the winds over their steps, ``(n, S, 3)`` each.
 
-        The demand is the deflection limit that is sufficient when it is held from then on.
+        The demand is the deflection limit that is sufficient when it is held from then on. Its
+        slope is at begin and end of each step, and the path is the states beyond attitude and rate
+        under trim at the ends of steps.
         """
         cases, steps, _ = shape = self.wind.shape
         order = self.equations.nominal.shape[-2]  # states, two of which are attitude and rate

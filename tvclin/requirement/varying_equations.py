@@ -246,15 +246,15 @@ class Equations:
     def _of(cls, plants: Sequence[Plant]) -> Self:
         """Return the constant equations of plants, a sequence of the plant at each of `PRESSURES`.
 
-        A plant may be a batch ``(n,)``. Constant equations have a single step, with the same E at
-        its begin, middle and end.
+        A plant may be a batch ``(n,)``. Constant equations have a single step, with the same E =
+        [A b w] at its begin, middle and end.
         """
         E, slopes = of_pressure(plants)
         order, columns = E.shape[-2:]  # m states, m + 2 columns of [A b w]
         E = E.reshape(-1, order, columns)
         slopes = slopes.reshape(-1, 1, 1, 2, order, columns)
         _pole, paired = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
-        end = unstable_end(E)
+        end = unstable_end(E)  # costate, and in the last column the control reach
         return cls(
             nominal=np.repeat(E[:, np.newaxis, np.newaxis], 3, axis=2),
             slopes=np.repeat(slopes, 3, axis=2),

@@ -98,7 +98,11 @@ class LoadCase:
 
     @cached_property
     def oscillating_zeros(self) -> ComplexArray:
-        """Complex zeros [1/s] from deflection to load: a control without load oscillates there."""
+        """Complex zeros [1/s] from deflection to load: a control without load oscillates there.
+
+        The load is the last output of the plant, the angle of attack, plus M delta. Zeros are the
+        poles with the deflection that keeps the load zero; one of each pair, with Im s > 0.
+        """
         A, B, C, D = self.plant.matrices()
         through = D[-1, 0] + self.ratio
         if through == 0.0:

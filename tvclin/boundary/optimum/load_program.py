@@ -120,9 +120,10 @@ class LoadProgram:
     def _levels(self) -> tuple[Any, Any]:
         """Sparse matrices from the variables to the deflection at start and at end of each cell.
 
-        With a rate limit the variables are the values at the ends of the cells, zero before the
-        first; with a load of the deflection itself (M) values at both ends of each; else one
-        constant for each.
+        With a rate limit the variables are the deflections at the ends of the cells, and each
+        cell starts at the end of its predecessor, the first at zero. Otherwise, where the
+        deflection contributes to the load (`case.ratio`, M, is not zero), they are the deflections
+        at all starts, then at all ends; else one constant for each cell.
         """
         from scipy import sparse  # late: it takes 0.1 s to import
 
@@ -253,8 +254,9 @@ class LoadProgram:
     def _solution(self, result: Any, bound: float) -> Solution:
         """Return the solution of a solved program, `result` of linprog, at a load `bound` [rad].
 
-        Its deflection is corrected to satisfy the conditions to rounding, and its load computed
-        between the nodes too.
+        Its deflection, the first variables in units of `_unit`, is corrected to satisfy the
+        conditions to rounding, and its load computed between the nodes too. `_proof` gives the
+        lower bound from the prices of the constraints, `_finer` the nodes of the next program.
         """
         first, last = self._levels
         u = self._corrected(result.x[: self._variables] * self._unit)

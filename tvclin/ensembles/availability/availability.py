@@ -257,7 +257,8 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     """Return notes on intervals of the flight that are not judged, or judged separately.
 
     `times`: first and last time [s] of the judged interval of the flight `judge.flight` in each
-    sounding, ``(n, 2)``; NaN where a sounding is not judged.
+    sounding, ``(n, 2)``; NaN where a sounding is not judged. `judged.marches` has the equations of
+    the planes with an unstable mode, and is empty if no mode is unstable at any time.
     """
     flight, (first, last) = judge.flight, judge.flight.span
     notes, judged = [], judge.interval  # the interval with an unstable mode

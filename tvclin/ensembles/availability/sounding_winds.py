@@ -361,7 +361,8 @@ class SoundingWinds:
 
         They bound the longest interval of the flight along `path` in which the wind angle is at
         most `MAX_LINEAR_ANGLE`, from any direction; NaN where the interval omits the largest
-        dynamic pressure. `more`: function from heights [m] to a wind speed that is added [m/s].
+        dynamic pressure. `more`: function from heights [m] to a wind speed that is added [m/s], as
+        of a gust. An end that no too large angle cuts off is the end of the flight.
         """
         height = self.breakpoints(path, strong=False)
         wind = np.hypot(

@@ -350,7 +350,11 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
 
 
 def _planes(campaign: Campaign, batch: Batch) -> dict[str, ReplayedPlane]:
-    """Return the first case of a batch of a campaign, by plane: with wind, law and limit share."""
+    """Return the first case of a batch of a campaign, by plane: with wind, law and limit share.
+
+    The share is the fraction of the deflection limit that the plane has, one in a single plane; the
+    law is None where the campaign flies none, or flies along a flight.
+    """
     flies = "flight" in campaign.outputs and campaign.along is None
     shares = shares_of(campaign, batch) if batch.plane_batches else {}
     return {

@@ -496,11 +496,12 @@ def _bound(
     campaign: Campaign,
     batch: Batch,
 ) -> dict[str, Any]:
-    """Return a lower bound of the deflection [rad] of cases by column, ``(n,)``.
+    """Return a lower bound of the deflection limit [rad] of cases by column, ``(n,)``.
 
     `name`: name of its column. `plane_bound`: function from a plant and a wind in a plane to the
     bound there. `vector_bound`: function from the requirement of both planes to their bound.
     `batch`: n cases of the campaign; where both planes are judged, the first case alone counts.
+    Then column `name` is the limit of the shape, and each plane has a column of its bound.
     """
     if not batch.plane_batches:
         return {name: plane_bound(batch.plant, batch.wind)}
@@ -509,7 +510,8 @@ def _bound(
     for plane, in_plane in batch.plane_batches.items():
         first = in_plane.first
         bounds[plane] = float(np.abs(plane_bound(first.plant, first.wind)))
-    # a shape with the limit one reaches this far in pitch and in yaw, to either side
+    # A shape with the limit one reaches this far in pitch and in yaw, to either side: the bound of
+    # a plane over its reach is a bound of the limit of the shape.
     largest = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
     bound = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
     if len(batch.plane_batches) > 1:

@@ -124,6 +124,7 @@ def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> Fl
     moved = ramp.to_steps(parts.T).A  # columns: n states, the deflection, its rate
     # e^(A h), and the response to a deflection that rises from zero by 1 rad/s
     free, rise = (np.swapaxes(moved[..., :n, k], 0, 1) for k in (slice(n), n + 1))
+    # responses to a constant deflection of 1 rad, to one that rises to 1 rad, and to rates at ends
     start, rise, kick = np.swapaxes(moved[..., :n, n], 0, 1), rise / span, []
     if "deflection_acceleration" in plant.inputs:
         # x+ = .. + e^(A h) b3 (v - before) + b3 (after - v), v the constant rate of the part and
@@ -230,7 +231,8 @@ class Batch:
     def indices(self) -> tuple[IntArray, IntArray]:
         """Flat indices of the vehicle and of the wind of each flight in their batches, ``(m,)``.
 
-        Without given ones, vehicles and winds broadcast to the shape of the flights.
+        They are `vehicle` and `encountered`; without these the batches `vehicles` (of plants with
+        hardware) and `wind` broadcast to the shape of the flights.
         """
         vehicle, encountered = self.vehicle, self.encountered
         if vehicle is None or encountered is None:
@@ -356,6 +358,8 @@ def _steps(batch: Batch, plant: LinearSystem, terms: int) -> Steps:
 
     A sample has a part before and a part after the arrival of a delayed command. `plant`: their
     plants with lateral sensors, ``(p,)``. `terms`: number of coefficients of a wind's polynomial.
+    With the nozzle within its limits a part has one matrix of plant and nozzle, `moving`; where it
+    is limited, `plant` alone is driven by a deflection that is a straight line.
     """
     hardware, shape = batch.hardware, batch.vehicles
     length, delay = (spread_to(a, shape) for a in (hardware.length, hardware.delay))

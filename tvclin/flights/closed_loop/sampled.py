@@ -123,10 +123,11 @@ class Stepper:
         return self._measure(self._flights, k)
 
     def advance(self, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray) -> None:
-        """Step the active ones of m flights by the sample with number `k`, in place.
+        """Step the flights that have not ended by the sample with number `k`, in place.
 
-        `demand`: demands [rad], ``(m,)``. `engage`, `release`: demands over the limit at which the
-        full limit is commanded, and is no longer, ``(m,)``.
+        The kernel limits the demands and steps vehicle and nozzle; `look` measured before.
+        `demand`: demands [rad] of m flights. `engage`, `release`: demands over the limit at which
+        the full limit is commanded, and is no longer, ``(m,)``.
         """
         self._advance(self._flights, k, demand, engage, release)
 

@@ -397,7 +397,8 @@ class Stages:
 
         `times`: starts of the samples [s], ``(m,)``. `sample`: index of a sample of the same flight
         for each. `middle`: whether A and gust input in the middle of the samples are among the
-        matrices.
+        matrices. The vehicle is evaluated at the `_places`; after the end of its schedule it is
+        frozen.
         """
         places = self._places(times)[: None if middle else -1]
         flight = np.tile(self.flight[sample], len(places))

@@ -219,7 +219,8 @@ class LateralMotion:
 
         `path`: flight path angle [rad]. `speed`: over the ground [m/s]. `force`: force per mass at
         the centre of gravity [m/s^2], normal to the body, without weight. `angular_acceleration`:
-        of the attitude [rad/s^2]. All but the speed are relative to the nominal flight.
+        of the attitude [rad/s^2]. All but the speed are relative to the nominal flight. The drift
+        is the integral of its rate, the acceleration is at the accelerometer, with its lag.
         """
         rate = speed * sin(path)
         self._drift, self._drift_rate, self._speed = self._drifted(rate), rate, speed

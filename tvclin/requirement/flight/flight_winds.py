@@ -101,6 +101,7 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         first, last = wind.known
         if not first <= time <= last:
             return PlacedWind(wind.wind * 0.0, zero=0.0, known=False)
+        # `wind(vehicle)` has angles of one sign; without window and gust it is the same at any time
         signed = wind.of_both_signs(vehicle)
         values = signed(signed.probe_times())
         changes_sign = values.min() < 0.0 < values.max()

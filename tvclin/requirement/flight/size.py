@@ -548,7 +548,10 @@ def _along(
     along = dict(zip(winds, requirements, strict=True))
 
     def requirement_of(wind: PlacedWind, key: bytes | None) -> FlightRequirement:
-        """Return the requirement of a wind by its key; zero in a calm, NaN for an unknown wind."""
+        """Return the requirement of a wind by its key; zero in a calm, NaN for an unknown wind.
+
+        `along`: requirements by key, see `key_of`. `bands`: dead bands.
+        """
         if key is not None:
             return along[key]
         none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)

@@ -143,7 +143,8 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
 def fixed_wind_table(sizing: Sizing, wind: int) -> Table:
     """Return the requirements of a wind that is fixed in the flight, and when they arise [s].
 
-    `wind`: its index among the winds of the sizing.
+    `wind`: its index among the winds of the sizing. `arising` has the largest value [rad] of each
+    requirement that has a time at which it arises.
     """
     name = sizing.winds[wind]
     arising = {

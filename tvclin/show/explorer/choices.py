@@ -86,7 +86,10 @@ class Choices:
 
     @property
     def requirement_inputs(self) -> StudyPlan:
-        """Plan of the values on which the required deflection depends."""
+        """Plan of the values on which the required deflection depends, all others at defaults.
+
+        Plans that differ in other values, such as the limit or the gains, are equal here.
+        """
         p = self.plan
         inputs = {
             "wind": p.wind,
