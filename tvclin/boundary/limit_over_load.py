@@ -288,8 +288,8 @@ class LoadLimits:
     def load_floor(self) -> float:
         """Proved lower bound [rad] of the load of every deflection; zero without one.
 
-        The angle of attack jumps with the wind: a jump leaves its size at the onset, else half of
-        it.
+        Without a load of the deflection (M, `case.ratio`, zero) the load is the angle of attack. It
+        jumps with the wind: a jump leaves its size at the onset, else half of it.
         """
         jumped = 0.0
         if self.case.ratio == 0.0:
@@ -305,7 +305,8 @@ class LoadLimits:
     def _programmed(self) -> bool:
         """Whether the minimum load takes linear programs, and is not just a jump of the wind.
 
-        It does with a load of the deflection itself (M), a rate limit, or several unstable modes.
+        It does with a load of the deflection itself (`case.ratio`, M), a rate limit, or several
+        unstable modes.
         """
         case = self.case
         return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
@@ -451,8 +452,9 @@ class LoadLimits:
     def set_by(self, load: float, limit: float) -> str:
         """Return the label of the condition that sets a `limit` [rad] at a bound `load` [rad].
 
-        One of the minimum angle at any load, turning into the wind in time (known without M and
-        rate limit), and both together; or the minimum load, where no limit is sufficient.
+        The load is ``alpha + M delta``, M is `case.ratio`. One of the minimum angle at any load,
+        turning into the wind in time (known without M and rate limit), and both together; or the
+        minimum load, where no limit is sufficient.
         """
         if load < self.load_floor:
             return LEAST_LOAD

@@ -549,8 +549,9 @@ class Cluster(LimitShape):
     def _rolls(self, sign: float) -> float:
         """Return the largest roll moment of the moving engines with a `sign`; zero if roll is free.
 
-        Normalised by the total thrust and the largest distance from the axis, as in `_stuck`. It is
-        the sum of s_j h_j(sign a_j): the furthest that each engine reaches along its arm.
+        Normalised by the total thrust and the largest distance from the axis, as in `_stuck`.
+        Moving engines are not stuck. The moment is the sum of s_j h_j(sign a_j), the furthest that
+        each reaches along its arm a_j: `_sum` with the direction d zero and rho the sign.
         """
         no_direction = np.zeros((), dtype=complex)
         return float(self._sum(no_direction, np.asarray(sign))) if self.hold_roll else 0.0

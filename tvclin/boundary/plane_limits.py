@@ -336,9 +336,11 @@ def _dead_band_exit(
     times = pair.times()
 
     def margin(t: FloatArray, floor: float = 0.0) -> FloatArray:
-        """Return the driver's gauge, or `floor` [rad] if larger, minus K times the required gauge.
+        """Return the margin [rad] of the driver over the dead band at times `t` [s].
 
-        The required one is of the constant deflection from `t` [s] on.
+        A gauge is the limit [rad] whose shape just contains a deflection. The margin is the gauge
+        of the driver (trim, or -B alpha_w), at least `floor` [rad], minus K times the gauge of the
+        constant deflection required from `t` on; it is zero at the exit.
         """
         driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
@@ -484,8 +486,10 @@ def plane_limit(
 def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str) -> PlaneLimit:
     """Return the limit of one `pair` of plants and wind, at the dead band `K` and exit `switch`.
 
-    `switch`: "literal" for the exit on trim; else on the wind, which on a fixed path is the same.
-    Ratios are to B alpha_w,max; `y` of the requirement is this ratio where it is exact.
+    The exit is where the nozzle leaves the dead band. `switch`: "literal" where trim reaches K
+    times the limit, else where B alpha_w does, which on a fixed path is the same. Ratios are to
+    B alpha_w,max; `y` of the requirement is this ratio where it is exact. A plane without wind has
+    an infinite `onset`.
     """
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
     requirement = two_plane_requirement(pair, limit_shape, (K,), literal)[0]

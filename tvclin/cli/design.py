@@ -224,8 +224,10 @@ class MinimumGainOptions:
     def minimum(self, case: StudyPlan) -> MinimumGains | None:
         """Return the gains for the minimum deflection; None without --least.
 
-        It is the largest over pulses of the duration of the wind, half and twice that.
-        `InputError` for gains or another rule in the plan, and for a sounding.
+        The minimum is of the largest deflection over pulses of the duration of the wind, half and
+        twice that; margins satisfy `case.held_to`, the criteria of the plan or the classic ones.
+        `over` gives the plan the rule `LEAST_NOZZLE`; `InputError` where gains or another rule took
+        its place, and for a sounding.
         """
         design, wind = case.autopilot_design, case.wind_in_plane
         if not self.least:

@@ -296,7 +296,7 @@ class AutopilotFlight:
 
     @property
     def case(self) -> StudyPlan:
-        """The case."""
+        """The case: vehicle, wind, nozzle and autopilot."""
         return self.linear.plan
 
     @property
@@ -323,8 +323,8 @@ class AutopilotFlight:
     def notes(self) -> tuple[str, ...]:
         """Notes on the wind angle and angle of attack, the loop, the flight and the gains.
 
-        `compared` is the autopilot without limits in this wind, beside trim; `case.held_to` are the
-        criteria on its margins.
+        `compared`: peaks and margins of the autopilot without limits in this wind, beside ideal
+        trim. `case.held_to`: the criteria for its margins, classic ones by default.
         """
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
@@ -356,7 +356,7 @@ class AutopilotFlight:
 
     @cached_property
     def criteria_satisfied(self) -> bool:
-        """Whether the margins satisfy the criteria."""
+        """Whether the margins of the autopilot satisfy the criteria of the case, `case.held_to`."""
         compared = self.compared
         return JudgedMargins.of(compared.autopilot, compared.plant, self.case.held_to).satisfied
 

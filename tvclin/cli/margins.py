@@ -91,7 +91,7 @@ class JudgedMargins:
 
     @property
     def judged(self) -> tuple[Judgement, ...]:
-        """Judgement of each criterion, of the whole loop and of each mode."""
+        """Judgement of each criterion of `criteria`: for the whole loop, and each flexible mode."""
         return self.criteria.judge(self.bands or self.whole)
 
     @property
@@ -339,7 +339,10 @@ class _Answer:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Notes on modes slightly off their frequency, and on the gains of the autopilot."""
+        """Notes on modes slightly off their frequency, and on the gains of the autopilot.
+
+        `case.held_to`: the criteria for the margins, classic ones by default.
+        """
         satisfied, margins = self.margins.satisfied, self.margins.whole
         notes = gain_notes(self.case, self.case.held_to, satisfied, margins.delay_margin)
         return (*self._detuning_notes(), *notes)
@@ -372,7 +375,7 @@ class _Answer:
         )
 
     def document(self) -> dict[str, Any]:
-        """Return the document of the answer for JSON."""
+        """Return the margins, the criteria and the verdict as a document for JSON."""
         case = self.case
         wind = {"name": self.wind, **document(case.history, "peak")}
         further = {

@@ -406,7 +406,10 @@ class FlownLaw:
         return bool(self.gains.values or self._gain_keys(source))
 
     def _gain_keys(self, source: str) -> list[str]:
-        """Return the keys of --set that give gains, or a rule for them."""
+        """Return the keys of --set that give gains, or a rule for them; empty without --set.
+
+        `source`: file or name of the vehicle; an `EditedSource`, also a text, holds these keys.
+        """
         if not (keys := keys_set(source)):
             return []
         from tvclin.studyfile.settings import quantity_name  # late: it knows the keys of all files

@@ -80,12 +80,12 @@ class BoundedTrim:
 
     @property
     def plant(self) -> Plant:
-        """The rigid plant."""
+        """The rigid plant of the case, by its coefficients and model."""
         return self.case.plant.rigid
 
     @cached_property
     def verdict(self) -> Verdict:
-        """Verdict of the report's eq (4b): stability where this deflection is constant for ever."""
+        """Verdict of the report's eq (4b): stability with the deflection constant for ever."""
         return judge(self.plant, self.deflection, self.wind)
 
     @property
@@ -226,6 +226,7 @@ def respond(
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
     trim = bounded_trim(plan, winds.name(plan), plan.dead_band, capability, until)
+    # extremes of the attitude, and the time up to which the response is shown
     largest, shown = trim.followed(until * float(trim.wind.end))
     files.write(
         lambda: _curves(trim, np.linspace(0.0, shown.time, points)),

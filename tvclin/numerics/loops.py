@@ -335,7 +335,7 @@ class StateLoop:
         return np.asarray(at_pole | (small & self.modal[self.case]))
 
     def open_poles(self) -> AnyArray:
-        """Return the poles without the delay [1/s], ``(k, n)``."""
+        """Return n poles [1/s] of each of the k selected loops without its delay, ``(k, n)``."""
         return self.poles[self.case]
 
     def closed_poles(self) -> AnyArray:
@@ -350,7 +350,7 @@ class StateLoop:
         )
 
     def zeros(self) -> AnyArray:
-        """Return the zeros [1/s], ``(k, n)``; NaN fills the rows."""
+        """Return the zeros [1/s] of the k selected loops, ``(k, n)``; NaN fills the rows."""
         roots = _zeros(*self._matrices)
         finite = np.abs(roots) < _MAX_ZERO_OVER_LARGEST_POLE * self.bound()[:, np.newaxis]
         return np.where(finite, roots, np.nan)
@@ -413,7 +413,7 @@ class StateLoop:
         return _packed(np.where(candidates, roots.imag, np.nan))
 
     def bound(self) -> FloatArray:
-        """Return the size of the largest pole [rad/s], ``(k,)``."""
+        """Return the size of the largest pole [rad/s] of each of the k selected loops, ``(k,)``."""
         return np.abs(self.open_poles()).max(axis=-1, initial=0.0)
 
     @cached_property

@@ -119,7 +119,7 @@ def figure_5(
     tau_beta : array_like, optional
         Abscissas tau beta, ``(n,)``, 0.05 to 20 where not given; with damping tau times the pole.
     dead_bands : sequence of float
-        K, one for each panel.
+        K, one for each panel, of which at most ten are drawn.
     vehicles : sequence of Vehicle or str
         Vehicles, or what `load_vehicle` finds them by; one curve each, from the pole and from the
         zeros b1 and b2 [1/s] from deflection and from wind to attitude.

@@ -86,7 +86,7 @@ class CaseRequirement:
 
     @property
     def vehicle(self) -> AnyVehicle:
-        """The vehicle."""
+        """The vehicle of the case."""
         return self.case.vehicle
 
     @property
@@ -116,17 +116,20 @@ class CaseRequirement:
 
     @property
     def placed(self) -> ShapedWind:
-        """The wind of the case with its direction and speeds, as far as known, its gust placed."""
+        """The wind of the case as one shape, with its gust at the time that `wind_in_plane` has.
+
+        It keeps the direction (heading) and the wind speeds of the case, where it has these.
+        """
         return replace(pulse_of(self.case), gust_at=self.wind_in_plane.gust_at)
 
     @property
     def judges_both_planes(self) -> bool:
-        """Whether the verdict is on both planes."""
+        """Whether the verdict is on pitch and yaw together, not on one plane."""
         return self.case.nozzle.limit_shape is not None
 
     @property
     def history(self) -> History:
-        """The wind in the plane with its gust."""
+        """The wind angle [rad] over time in the plane `plane`, with its gust."""
         return self.wind_in_plane.history({})
 
     @property
@@ -138,7 +141,7 @@ class CaseRequirement:
 
     @property
     def known_deflection(self) -> float:
-        """The required deflection [rad]; NaN where it is not known at the pressure encountered."""
+        """The required deflection [rad]; NaN if unknown at the dynamic pressure encountered."""
         return np.nan if self.unknown else self.required_deflection
 
     @property
@@ -222,7 +225,11 @@ class CaseRequirement:
 
     @property
     def wind_angle(self) -> float:
-        """Largest angle [rad] at which the wind meets the flight: of a direction, its vector."""
+        """Peak size [rad] of the wind angle that the flight encounters.
+
+        It is the size of the vector of pitch and yaw for a wind with a direction (`planes`), else
+        the size in the plane.
+        """
         return abs(float((self.planes or self.history).peak))
 
     @property
@@ -273,7 +280,7 @@ class CaseRequirement:
 
     @property
     def governs(self) -> str:
-        """Reason that sets the required deflection, in words."""
+        """What sets the required deflection, in words: a requirement, or dynamic pressure."""
         if not self.at_nominal_pressure:
             return f"the dynamic pressure in a {self.direction} wind"
         if self.planes is not None and self.judges_both_planes:

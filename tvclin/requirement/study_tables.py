@@ -380,7 +380,8 @@ _END_NOTES = {
 class StudyResponse:
     """Response to the wind of a study: trim up to the dead band, then the limit.
 
-    `limit` [rad], `end` [s]; `why`: reason of the end; see `response_end`.
+    `limit`: deflection limit [rad]. `end`: time [s] up to which the response is shown; `why`:
+    reason why no further, as `response_end` gives it.
     """
 
     study: Study
@@ -392,12 +393,12 @@ class StudyResponse:
 
     @property
     def extremes(self) -> Extremes:
-        """Extremes of the attitude up to the end."""
+        """Extremes of the attitude [rad] up to the time `end` [s] of the response."""
         return extremes(self.plant, self.deflection, self.study.history, self.end)
 
     @property
     def response(self) -> Responses:
-        """Response at 401 times from the begin of the wind to the end."""
+        """Response at 401 times from the begin of the wind to the time `end` [s]."""
         times = np.linspace(0.0, self.end, _POINTS)
         return attitude_responses(self.plant, self.deflection, self.study.history, times)
 
@@ -410,7 +411,7 @@ class StudyResponse:
 
     @property
     def limit_line(self) -> Line:
-        """Limit in degrees."""
+        """Line with the deflection limit [deg] of the response."""
         return degrees("response.limit", self.limit, unit="deg")
 
     @property

@@ -226,8 +226,10 @@ class Curves:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] and the time [s] of the exit of a dead band 0 < K < 1, ``(n,)``.
 
-        In place of the demand counts `minimum`, the minimum peaks of any control from the begin and
-        the end of each step on [rad], ``(n, S, 2)``, linear within a step.
+        The exit is where trim is K times the peak required from then on: here not `demand`, of a
+        constant deflection, but `minimum`, the smallest peak of any deflection that survives from
+        the begin and the end of each step on [rad], ``(n, S, 2)``, linear within a step.
+        `times` are begin, middle and end of each step [s]. `dead_band`: K.
         """
         values = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
         sign = self.sign[:, np.newaxis, np.newaxis]

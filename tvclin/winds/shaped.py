@@ -246,7 +246,8 @@ def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> Histo
     sign of the wind's peak, is its peak. The gust has the same direction.
     """
     peak, size = peaks[plane], math.copysign(math.hypot(*peaks.values()), wind.peak)
-    if peak == 0.0:  # zero throughout, with the breakpoints of the wind in the other plane
+    # zero throughout, with the breakpoints of the wind in the other plane: its peak times zero
+    if peak == 0.0:
         return wind.history({"wind_peak": size}) * 0.0
     gust = None if wind.gust is None else wind.gust * (peak / size)
     return replace(wind, peak=peak, heading=None, gust=gust).history({})  # nothing is dispersed

@@ -68,12 +68,16 @@ class LoadProgram:
 
     @cached_property
     def reference(self) -> FloatArray:
-        """Reference deflection in the cells [rad], ``(n,)``."""
+        """Reference deflection of the case [rad] in the middle of each cell, ``(n,)``."""
         return self.case.reference(0.5 * (self.nodes[1:] + self.nodes[:-1]))
 
     @cached_property
     def reference_load(self) -> FloatArray:
-        """Load [rad] of the reference in the cells, ``(n, 9)``, both ends from inside."""
+        """Load ``alpha + M delta`` [rad] under the reference deflection, ``(n, 9)``.
+
+        In each cell it is taken at nine times, of fractions `_INSIDE` of the cell; the last is just
+        before the next node, where the load may jump.
+        """
         times = self.nodes[:-1, np.newaxis] + self.widths[:, np.newaxis] * _INSIDE
         times[:, -1] = np.nextafter(self.nodes[1:], -np.inf)
         return self.case.load(times)
@@ -348,7 +352,8 @@ class LoadProgram:
         """Return the nodes [s], with additional ones where a limit begins or ceases to bind.
 
         `ends`: deflection at start and end of each of n cells, minus the reference [rad],
-        ``(2, n)``. `inside`: load within them [rad], ``(n, q)``. `bound`: bound of the load [rad].
+        ``(2, n)``. `inside`: load at q times in each cell [rad], ``(n, q)``. `bound`: its bound
+        [rad].
         """
         peak, rate, largest = np.abs(ends).max(), self.case.rate, np.abs(inside).max(axis=1)
         # sign of the limit that binds in each cell: peak at both its ends, load, and rate
@@ -364,7 +369,8 @@ class LoadProgram:
         loose = np.append(new, False) | np.append(False, new)
         loose |= excess > max(_SPLIT_EXCESS_FRACTION * excess.max(), _ACTIVE_DISTANCE * bound)
         start, width, (first, last) = self.nodes[:-1][loose], self.widths[loose], ends[:, loose]
-        level = 0.5 * (1.0 + first / (peak or 1.0))  # where a switch would be
+        # a switch from peak to -peak at this fraction of the cell has the mean `first`
+        level = 0.5 * (1.0 + first / (peak or 1.0))
         parts = [np.full(width.size, k / _CELL_DIVISIONS) for k in range(1, _CELL_DIVISIONS)]
         parts += [level, 1.0 - level]
         for level_limit in (peak, -peak):  # where a line of full rate through an end meets the peak

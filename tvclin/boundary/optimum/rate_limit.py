@@ -95,7 +95,11 @@ class RateProgram:
         return self.rate * np.diff(self.nodes) / self.unit
 
     def residual(self, values: FloatArray) -> float:
-        """Return the largest relative violation of a condition by `values` [rad] at the nodes."""
+        """Return the largest relative violation of a moment condition, a pure number.
+
+        The conditions: the moments of the deflection are the demands [rad s] of `constraints`.
+        `values`: deflection at the nodes [rad], ``(k,)``.
+        """
         demands = self.constraints.demands
         violation = np.abs(self.moments @ values - demands)
         return float((violation / (np.abs(self.moments) @ np.abs(values) + np.abs(demands))).max())
@@ -130,7 +134,12 @@ class RateProgram:
         return np.append(0.0, solution[: self.nodes.size - 1])
 
     def minimum_rate(self) -> float:
-        """Return the smallest rate [rad/s] that satisfies the conditions on these nodes, or inf."""
+        """Return the smallest rate limit [rad/s] at which some deflection survives, or inf.
+
+        Its peak is free, and it is linear between `nodes`; it survives if its moments are the
+        demands of `constraints`. The program's last variable is the rate times the last node [s],
+        over `unit` [rad].
+        """
         result = self._solve(_RATE)
         return np.inf if result is None else float(result.x[-1]) * self.unit / self.nodes[-1]
 

@@ -104,7 +104,11 @@ class SystemLaw(_AutopilotLaw):
 
     @property
     def numbers(self) -> LawNumbers:
-        """Gain of one on the attitude, in whose place flights by samples put the output."""
+        """Gains of the law on the measurements: one on the attitude, zero on the others.
+
+        A flight by samples puts the controller's output, a deflection [rad], in the place of the
+        attitude, so that the gain of one passes it on.
+        """
         return LawNumbers(attitude=1.0)
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:

@@ -197,7 +197,7 @@ class Replay:
         """
         if self.campaign.along is None:
             raise InputError("the campaign flies no whole flight: give it along")
-        # the batch of the campaign's plane holds this one case
+        # the batch of the campaign's own plane, "", holds this one case, of index 0
         flights = flights_along(self.campaign, self._plane("").batch, 0)
         return tuple(sampled_outputs(flights, *limits_along(self.campaign)))
 

@@ -172,7 +172,12 @@ MOTIONS = (*_MOTIONS, *(column for name in _MOTIONS for column in plane_columns(
 
 
 def law_of(campaign: Campaign, batch: Batch) -> Law:
-    """Return the control law of a campaign for the first case of a batch, with its gains."""
+    """Return the control law of a campaign for the first case of a batch, with its gains.
+
+    With a `controller` in state space `campaign.autopilot` is this controller, the same in all
+    cases; else the autopilot has the gains of the case. Other laws are designed on the plant for
+    the peak of the wind. The filters of `autopilot_design` act in all but a controller.
+    """
     if campaign.law == AUTOPILOT and campaign.controller is not None:
         return SaturatedLaw.of(campaign.autopilot)
     options: dict[str, Any] = {}

@@ -63,7 +63,7 @@ class CampaignResults(Tabled):
 
     @property
     def campaign(self) -> Campaign:
-        """The campaign."""
+        """The plan of the campaign: dispersions, winds, outputs and number of cases."""
         return self.manifest.campaign
 
     @property
@@ -345,7 +345,7 @@ class CampaignResults(Tabled):
         return np.asarray(values[~np.isnan(values)])
 
     def _output(self, name: str | None) -> str:
-        """Return the name of an angle, by default the first; `InputError` for another name."""
+        """Return `name` if it is one of `angles`, the first of them for None; else `InputError`."""
         return self.angles[0] if name is None else one_of("output", name, self.angles)
 
     def _level(self, probability: float | None, confidence: float | None) -> tuple[float, float]:
@@ -358,7 +358,7 @@ class CampaignResults(Tabled):
 
     @cached_property
     def _names(self) -> tuple[str, ...]:
-        """Names of all columns, in their order."""
+        """Names of all columns: case number, dispersed parameters, wind, outputs, status."""
         drawn = self.campaign.dispersions.parameters
         wind = ("wind",) if self.campaign.wind.count else ()
         return ("case", *drawn, *wind, *self.outputs, "status")

@@ -250,6 +250,9 @@ def flown_margins(
 ) -> FlownMargins:
     """Return the flown margins of a law with a deflection limit in a wind.
 
+    A flown margin is the change of all gains, of the effectiveness or of the delay from which on
+    the flight, by samples and with the limit, does not survive the wind.
+
     Parameters
     ----------
     plant : Plant or FlexiblePlant
@@ -322,6 +325,7 @@ def flown_margins(
     worst = dominant_pole(flight)
     if worst.real > _MIN_GROWTH_OVER_POLE * pole:
         design_plant = getattr(law, "plant", None)
+        # such a law lets the path creep away, by a slow mode: the message names the remedy
         is_slow = (
             worst.imag < MIN_FREQUENCY_OVER_POLE * pole
             and getattr(design_plant, "model", FIXED) != FIXED
@@ -330,7 +334,7 @@ def flown_margins(
             "law must hold the vehicle near rest before anything changes; there a mode of this"
             f" loop grows with {worst.real:+.3g} 1/s{_REMEDY if is_slow else ''}"
         )
-    winds = winds_with_stops(wind, cuts, length)
+    winds = winds_with_stops(wind, cuts, length)  # the wind, and with a sudden stop at each cut
     flights = _Flights(plant, law, winds, {"deflection_limit": level, **options})
     if flights.survive("gain_rise", np.ones(1))[0] != SURVIVED:
         known = boundary.limit < np.inf

@@ -103,7 +103,7 @@ class FlightWinds:
 
     @property
     def by_name(self) -> dict[str, WindOf]:
-        """The winds by name, arguments of `size`; soundings are in flight time."""
+        """Winds by name, for `size`: pulses at any flight time, soundings over the flight time."""
         sign = self.case.sign
         if sign in SIGNS and any(pulse.heading is not None for pulse in self.pulses):
             raise errors.InputError(
@@ -392,7 +392,7 @@ class SizingRequest:
         return np.concatenate([[low], between[distinct], last_time])
 
     def winds(self, case: Case) -> dict[str, WindOf]:
-        """Return the winds by name, arguments of `size`; soundings are in flight time.
+        """Return the winds by name: histories, or functions from a vehicle to its wind (`WindOf`).
 
         Raises
         ------
@@ -596,7 +596,7 @@ class SizingRequest:
         )
 
     def _flight_winds(self, case: Case) -> FlightWinds:
-        """Return the winds on the flight of a case."""
+        """Return the winds on the flight of a case; a gust is worst for the largest dead band."""
         return FlightWinds(
             case=case,
             schedule=self.schedule,

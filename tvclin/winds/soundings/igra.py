@@ -267,7 +267,12 @@ class _StationStream:
             self.numbers.append(self.number)
 
     def _head(self, line: str) -> None:
-        """Parse the line of a header, and set `accepting`: whether its levels are collected."""
+        """Parse the line of a header, and set `accepting`: whether its levels are collected.
+
+        The first header tells whether the file holds derived parameters of IGRA, not observations:
+        an `InputError`. A header holds station, date, nominal hour, release time of the balloon and
+        number of levels; `stations` has the file name of each station.
+        """
         if len(self.lines) > _LEVELS_PER_BLOCK:  # the block is full
             self.end()
         self.accepting = False
@@ -403,6 +408,7 @@ def collect_levels(
     east, north = wind_components(rows.speed, rows.direction)
     has_wind = _without_fault(why)[rows.sounding] & ~np.isnan(east + north)
     measured = np.flatnonzero(has_wind & ~np.isnan(rows.height))
+    # indices of levels, a number of levels, and the sounding of each sunk level
     ascending, repeated, sunk = _above_previous(
         rows.sounding[measured], rows.height[measured], measured
     )
