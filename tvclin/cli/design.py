@@ -92,7 +92,7 @@ class BoxResult:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the worst case and the verdict, for JSON."""
+        """Return the worst case in the box, and whether it satisfies the criteria, for JSON."""
         return self.worst.as_dict() | {"satisfied": self.satisfied}
 
     @property
@@ -213,7 +213,7 @@ class MinimumGainOptions:
     panel = "Gains for the minimum deflection"
 
     def over(self, plan: StudyPlan) -> StudyPlan:
-        """Return a plan whose design is this search, where --least is given."""
+        """Return a plan with the rule `LEAST_NOZZLE` for gains, with --least; else the plan."""
         if not self.least:
             only_with("--least", **vars(self))
             return plan
@@ -399,12 +399,12 @@ class _Answer:
 
     @property
     def margins(self) -> JudgedMargins:
-        """The margins of the gains of the case."""
+        """Margins of the loop with the gains of the case, the first of `results`."""
         return self.results[0].margins
 
     @property
     def satisfied(self) -> bool:
-        """Whether the criteria are satisfied, in the box too."""
+        """Whether the gains satisfy the criteria, with a box of uncertain parameters too."""
         return self.margins.satisfied and (self.in_box is None or self.in_box.satisfied)
 
     @cached_property
@@ -477,7 +477,7 @@ class _Answer:
 
     @property
     def _verdict(self) -> str:
-        """The gains of the case and the verdict on them, or that in the box."""
+        """The gains of the case with the verdict on their margins; with a box the verdict in it."""
         if self.in_box is not None:
             return self.in_box.verdict
         autopilot, rule = self.margins.autopilot, self.results[0].rule

@@ -70,12 +70,12 @@ class LinearCase(Flying):
 
     @property
     def plant(self) -> AnyPlant:
-        """The plant that is flown."""
+        """The plant of the case, flexible if the vehicle has a structure; it is flown."""
         return self.plan.plant
 
     @property
     def is_flexible(self) -> bool:
-        """Whether the vehicle is flexible."""
+        """Whether the vehicle of the case has a structure: bending or slosh modes."""
         return self.plan.vehicle.structure is not None
 
     @cached_property
@@ -301,7 +301,7 @@ class AutopilotFlight:
 
     @property
     def limit(self) -> float | None:
-        """The limit [deg] that is judged."""
+        """The deflection limit [deg] that is judged; None without one."""
         return None if self.case.nozzle.limit is None else degrees(self.case.nozzle.limit)
 
     @property
@@ -425,7 +425,7 @@ class AutopilotFlight:
         }
 
     def show(self, shown: ShownCurves, more: bool) -> bool:
-        """Write and print the answer; return whether it survives, and its limit is sufficient."""
+        """Write and print the answer; return whether the limit survives, and is sufficient."""
         if self.flight is not None:
             self.flight.write(shown)
         elif shown.csv or shown.plot:
@@ -520,7 +520,10 @@ class AutopilotFlight:
         return f"{bound} at the peak pressure of a {self.direction} wind, {nominal} at nominal"
 
     def _further_rows(self) -> Iterator[Row]:
-        """Yield the loads, which take a complete vehicle, and the worst duration of the wind."""
+        """Yield rows (label, number) of the loads in the wind, and of its worst duration.
+
+        A vehicle known by its coefficients has no loads: they are NaN, and have no row.
+        """
         (force, across), worst = self.peak_force_and_lateral_speed, self.worst
         if isfinite(force):
             yield (

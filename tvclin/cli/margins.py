@@ -102,12 +102,12 @@ class JudgedMargins:
 
     @property
     def satisfied(self) -> bool:
-        """Whether all criteria are satisfied, by band where the plant is flexible."""
+        """Whether the margins satisfy all criteria, by frequency band of a flexible plant."""
         return bool(self.criteria.are_satisfied(self.bands or self.whole))
 
     @property
     def verdict(self) -> str:
-        """The verdict on the criteria, with the margins that miss their limits."""
+        """The verdict on the criteria in words, with the margins that miss their limits."""
         head = f"criteria {self.criteria.name}: {satisfaction(self.satisfied)}"
         if not self.whole.stable:
             return f"{head}, {self.whole.reason}"

@@ -125,7 +125,7 @@ class Rational:
         return 1j * (product(dN, inverse(N)) - product(dD, inverse(D)))
 
     def open_poles(self) -> AnyArray:
-        """Return the roots of the denominator [1/s], ``(..., n)``."""
+        """Return the poles of L without delay, roots of its denominator [1/s], ``(..., n)``."""
         return polynomials.roots(self.denominator)
 
     def closed_poles(self) -> AnyArray:
@@ -163,7 +163,7 @@ class Rational:
         return np.sqrt(np.where(real, np.real(roots), np.nan))
 
     def bound(self) -> FloatArray:
-        """Return an upper bound of the sizes of all poles [rad/s], ``(...)``."""
+        """Return an upper bound of the sizes of all poles of L [rad/s], ``(...)``."""
         return polynomials.bound(self.denominator)
 
     def is_pole_or_zero(self, omega: FloatArray) -> BoolArray:
@@ -178,7 +178,7 @@ class Rational:
         return np.asarray(parts[0] | parts[1])[..., 0]
 
     def take(self, index: Any) -> Self:
-        """Return the functions at the positions `index` of the flattened batch."""
+        """Return the loops L at the positions `index` of the flattened batch."""
         size = self.numerator.shape[-1]
         N, D = (p.reshape(-1, size)[index] for p in (self.numerator, self.denominator))
         return type(self)(N, D, self.delay.reshape(-1)[index])

@@ -74,13 +74,13 @@ class Curves:
         return _cubic(self.demand[case, step], self.demand_slope[case, step], length, u)
 
     def time_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
-        """Return the times [s] of cases at positions in steps."""
+        """Return the times [s] of cases at positions in steps: 2.5 is the middle of the third."""
         step, u = self._step(position)
         begin, end = self.times[case, step, 0], self.times[case, step, 2]
         return np.asarray(begin + u * (end - begin))
 
     def _step(self, position: FloatArray) -> tuple[IndexArray, FloatArray]:
-        """Return the steps of positions, and the fractions within them."""
+        """Return index of the step and fraction within it, 0 to 1, of each position in steps."""
         step = np.clip(np.floor(position).astype(int), 0, self.trim.shape[1] - 1)
         return step, position - step
 
@@ -114,7 +114,7 @@ class Curves:
 
     @cached_property
     def _trim_extremes(self) -> tuple[FloatArray, FloatArray]:
-        """Largest and smallest deflection of ideal trim [rad], ``(n,)`` each."""
+        """Largest and smallest deflection of ideal trim along the path [rad], ``(n,)`` each."""
         return self._largest(1.0), -self._largest(-1.0)
 
     def _largest(self, sign: float) -> FloatArray:
@@ -135,7 +135,7 @@ class Curves:
         return np.asarray(largest)
 
     def of(self, cases: IndexArray) -> Curves:
-        """Return the curves of the cases with these indices, rising and without repetition."""
+        """Return the curves of `cases`, their indices, which rise and do not repeat."""
         if len(cases) == len(self.trim):  # all of them
             return self
         return Curves(*(getattr(self, item.name)[cases] for item in fields(self)))

@@ -60,7 +60,10 @@ class LoadCase:
 
     @cached_property
     def shares(self) -> AnyArray:
-        """Coefficients c of the load, complex ``(k,)``; a pair contributes the real part of c z."""
+        """Coefficients c of the load alpha + M delta in the modes' states z, complex ``(k,)``.
+
+        A mode contributes c z to the load [rad], a conjugate pair the real part of c z.
+        """
         _, shares, _ = self._modes
         return shares
 
@@ -93,7 +96,7 @@ class LoadCase:
 
     @property
     def fastest(self) -> float:
-        """The largest |s| [1/s]."""
+        """The largest size |s| [1/s] of the poles of the modes."""
         return float(np.abs(self.poles).max())
 
     @cached_property
@@ -133,7 +136,10 @@ class LoadCase:
         return product[..., self._components, :][..., self._components]
 
     def load(self, times: FloatArray) -> FloatArray:
-        """Return the load [rad] of the reference deflection at `times` [s], in their shape."""
+        """Return the load alpha + M delta [rad] at `times` [s], in their shape.
+
+        It is under the reference deflection; M is `ratio`, alpha the angle of attack.
+        """
         flat = times.ravel()
         angle = attitude_responses(self.plant, self.reference, self.wind, flat, [_NAME])[_NAME]
         return (angle + self.ratio * self.reference(flat)).reshape(times.shape)

@@ -141,7 +141,7 @@ class LoadProgram:
 
     @property
     def _variables(self) -> int:
-        """Number of the program's variables that are values of the deflection."""
+        """Number of the program's variables that are values of the deflection, the first ones."""
         at_start, _ = self._levels
         return int(at_start.shape[1])
 

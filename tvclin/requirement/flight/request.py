@@ -115,7 +115,7 @@ class FlightWinds:
 
     @property
     def gust(self) -> GustOf | None:
-        """The gust that each vehicle of the flight encounters."""
+        """Gust [rad] over time; with a gust speed the function from a vehicle to it; or None."""
         gust: GustOf | None = getattr(self.case.wind, "gust", None)
         if self.gust_speed is None or not isinstance(gust, History):
             return gust
@@ -139,7 +139,7 @@ class FlightWinds:
         )
 
     def _pulse(self, pulse: ShapedWind) -> WindOf:
-        """Return the function from a vehicle to a pulse: in the plane, or the vector of both."""
+        """Return the function from a vehicle to its wind in a pulse, in the plane or in both."""
         case = self.case
 
         def encountered(vehicle: Vehicle) -> History | PlaneWind:
