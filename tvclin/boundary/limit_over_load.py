@@ -438,7 +438,7 @@ class LoadLimits:
         free, constant = self._responses  # without control, and per constant deflection
         low = max(float(np.max(np.abs(free) - limit * constant)), self.minimum_load)
         load = max(low, _MIN_START_LOAD * self.load_of_minimum)
-        for _ in range(6):  # Newton steps from below, along tangents
+        for _ in range(6):  # Newton steps from below, along tangents of the lower bound `proof`
             _, proof, slope = self.at(load)
             if proof - limit <= RELATIVE_GAP * limit or not slope:
                 break

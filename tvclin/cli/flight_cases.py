@@ -358,7 +358,8 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     """Return a flight with its linear theory, and with `boundary` also the flown boundary.
 
     `length`: length of the flight [s]. `points`: number of its times. A rate limit of the nozzle is
-    not flown, as the verdict says.
+    not flown, as the verdict says. Pairs are of the flight and of the theory; `let_go_s` are the
+    times [s] at which the limit is released.
     """
     start, limit = float(case.wind.onset), case.limit
     times = np.linspace(start, start + length, points)

@@ -240,8 +240,8 @@ def _judged(study: Study) -> list[_Judged]:
     """Return the rows of required deflections that belong to no dead band.
 
     They are for both planes, for each direction of the wind, and, where the switch is that of the
-    report, for the dead band of the verdict. The peak that the limit survives is NaN for a
-    direction of the wind that does not set the required deflection.
+    report, for the dead band of the verdict. The peak that the limit survives is NaN without a
+    limit, and for a direction of the wind that does not set the required deflection.
     """
     survived = abs(study.survivable_peak or np.nan)
     if study.judges_both_planes:

@@ -243,6 +243,8 @@ class AutopilotDesign:
     def autopilot(self, plant: Plant, actuator: Actuator | None = None) -> Autopilot:
         """Return the autopilot for a plant, with the actuator of its nozzle.
 
+        Its gains are the given ones; without them the rule `design` sets them.
+
         `InputError` for a rule and gains together, a single gain, a rule with too few numbers or
         too many, a schedule over the flight, and in the same cases as the rule.
         """

@@ -210,6 +210,7 @@ def _fits(loops: DrivenLoop, shape: tuple[int, ...]) -> BoolArray:
     up to 1e-9 of the largest value of its entry, plus 1e-13, rounding, of that of its matrix.
     """
     fits = np.ones(shape[0], bool)
+    # weights of the values at the five nodes in the polynomial's value at the checked point
     (weights,) = interpolation_factors(_POINTS, np.array([_CHECKED_POINT]))
     for array in loops.arrays:
         values = array.reshape(*shape, -1)

@@ -111,7 +111,8 @@ class PairGrowth:
 def growth_of(persistence: Any) -> float | WindGrowth | PairGrowth:
     """Return the growth until launch of an argument `persistence`.
 
-    It is an angle [rad], zero for None; or the growth of winds or pairs; "pairs" is the default.
+    It is an angle [rad] that the requirement grows by, zero for None; a wind speed that is added
+    (`WindGrowth`); or the growth from pairs of soundings (`PairGrowth`), with defaults for "pairs".
     `InputError` for another word, a negative angle and one that is not small.
     """
     if persistence is None:
@@ -387,7 +388,8 @@ class SoundingWinds:
         `height`: k heights for each sounding, ``(n, k)``. The wind is not measured beyond the
         levels, and in gaps.
         """
-        # one within a gap and zero outside, interpolated as a wind is
+        # one within a gap and zero outside, interpolated as a wind is: `gaps` are the first of the
+        # two levels that are added at the edges of each gap
         edge = np.zeros(self.height.size)
         edge[self.gaps] = edge[self.gaps + 1] = 1.0
         outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])

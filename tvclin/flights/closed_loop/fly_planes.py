@@ -113,7 +113,8 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
     last = int(max(f.cases.finish.max(initial=-1) for f in pair))
     for f in pair:
         f.cases.finish[:] = last
-    # state 0 is the attitude; the deflection is the state after those of the plant
+    # state 0 is the attitude; the deflection is the state after those of the plant. `at_limit`: the
+    # law of a plane commands its whole limit at the limit alone, so that it adds no switch
     for k in range(last + 1):
         active = np.flatnonzero(outcomes.ended < 0)
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers

@@ -219,7 +219,7 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
     for run, slow in steps[:max_steps]:
         with nullcontext() if slow else compiling_nothing():
             done.append(run())
-    # the first steps are four parts, the others the points of the curve
+    # the first steps are four parts (unknown if not done), the others the points of the curve
     first = [*done[:_PARTS], *[_UNKNOWN] * (_PARTS - len(done))]
     (margins, motion, outcome, requirement), curve = first, done[_PARTS:]
     values = [None if point.value is None else point.value.required_deflection for point in curve]
