@@ -82,7 +82,8 @@ class _AfterTrim:
         of m(L) where they are proved to be no less. All are normalised by B alpha_w,max.
         """
         poles = self.modes[cases]
-        # constant deflection that each mode requires by itself; over p the integral that it demands
+        # z: constant deflection that each mode requires by itself after trim up to K L; z over the
+        # pole p is the integral of e^(-p t) times the deflection that the mode demands
         z = self.problem.demands_after_trim(cases, self.dead_band[cases] * limits, poles)
         return peaks_for_demands(poles, z / poles, sufficient)
 

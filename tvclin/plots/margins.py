@@ -199,6 +199,7 @@ def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) ->
         handles.append(Line2D([], [], label=f"limit, {level:.3g} of full trim", **_LIMIT_LINE))
         if values.min() < level < values.max():
             axes.contour(*coordinates, values, levels=[level], colors=WARM, linewidths=2.4)
+    # `growth`: real part of the dominant pole in the linear range, positive where it is unstable
     if boundary_map.growth.max() > 0.0:
         handles.append(Patch(label="grows near rest", **_UNSTABLE_AREA))
         ends = [0.0, 2.0 * boundary_map.growth.max()]

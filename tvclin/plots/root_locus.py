@@ -125,7 +125,8 @@ def _mark_poles(
     higher for each further model, so that equal poles do not hide each other.
 
     `modes`: poles [1/s] and residues. `model`: name of the model. `row`: number of the model, for
-    colour and mark. `named`: smallest and largest size [1/s] of poles whose residues are written.
+    colour and mark. `named`: smallest and largest size [1/s] of poles whose residues are written;
+    in the panel of the origin the smallest is -1, so that a pole at zero is included.
     """
     poles, residues = modes.poles.astype(complex), modes.deflection_residues + 0j
     colour, size = cycle(COLOURS)[row], np.abs(poles)

@@ -446,7 +446,7 @@ class Study(CaseRequirement, Shown):
         """Text that names the wind of the survivable peak; empty for an angle alone.
 
         A wind by its speed is named by the survivable speed too, since the angle encountered is not
-        in proportion to the speed.
+        in proportion to the speed. `slanting` is the wind if it has a heading, else None.
         """
         words, speed = "", self.placed.speed
         if self.slanting is not None:

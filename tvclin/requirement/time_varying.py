@@ -363,6 +363,7 @@ def batch_requirements(
     counts = step_counts(encountered.history, equations)
     counts = np.broadcast_to(counts, (count, counts.shape[-1]))
     finite = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
+    # the steps of the calm after the wind are a column too: cases of one batch have them in common
     counts = np.insert(counts, 0, steps_after(equations), axis=-1)
     required = np.full(count, np.nan)
     groups, group = np.unique(counts[finite], axis=0, return_inverse=True)

@@ -118,7 +118,8 @@ class AccelerometerLaw(LinearLaw):
         """F ``(1, 1)`` and G ``(1, 5)`` of s' = F s + G m, s the acceleration [m/s^2] measured.
 
         s is the state of the sensor's lag, and m are attitude, its rate, flight path angle, angle
-        of attack and deflection.
+        of attack and deflection. Without lag the sensor measures the sum of their `sensitivities`,
+        n_alpha alpha + n_delta delta + n_rate theta'.
         """
         n_alpha, n_delta, n_rate = self.sensitivities
         row = np.array([[0.0, n_rate, 0.0, n_alpha, n_delta]])

@@ -299,7 +299,8 @@ def fly_together(
             for name in FlownCases.__dataclass_fields__
         }
     )
-    # Undecided flights go on: `owner` is the index of the flight to which a wind belongs
+    # Undecided flights are flown anew to a later end, their `further` flight, if they have one:
+    # `owner` is the index of the flight to which a wind belongs
     owner = np.searchsorted(winds, which, side="right") - 1
     undecided = flown.status == UNDECIDED
     owners = [k for k in np.unique(owner[undecided]).tolist() if flights[k].further is not None]

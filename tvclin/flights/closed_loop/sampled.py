@@ -310,7 +310,8 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
 
     A row of the track is a substep: its state, command, deflection at the end, whether the nozzle
     was limited, and its start [s]. `f`: arrays of the flight with its track. `system`: plant with
-    nozzle, whose first `n` states are the plant's.
+    nozzle, whose first `n` states are the plant's. The states without limits and wind follow from
+    the start of each substep by matrices for each of the `distinct` times since it.
     """
     N, order = f.now.y.shape[1], len(system.states)
     limit, track = float(f.cases.limit[0]), _recorded_rows(f)
