@@ -146,7 +146,7 @@ class LoadTradeOff(TradeOff):
     @property
     @derived("degrees", label="a degree buys", digits=2, card=False, document=False)
     def load_per_degree(self) -> FloatArray:
-        """Decrease of the load per increase of the limit, ``(n,)``; NaN where there is none."""
+        """Decrease of the load per increase of the limit, ``(n,)``; NaN where it has none."""
         return 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
 
     @property
@@ -261,7 +261,7 @@ class LoadLimits:
 
     @cached_property
     def dense_program(self) -> LoadProgram:
-        """Program on nodes that resolve the oscillating zeros of the load as well."""
+        """Linear program on nodes that resolve the oscillating zeros of the load as well."""
         nodes, zeros = self.program.nodes, self.case.oscillating_zeros
         if not zeros.size:
             return self.program
@@ -288,8 +288,8 @@ class LoadLimits:
     def load_floor(self) -> float:
         """Proved lower bound [rad] of the load of every deflection; zero without one.
 
-        Without a load of the deflection (M, `case.ratio`, zero) the load is the angle of attack. It
-        jumps with the wind: a jump leaves its size at the onset, else half of it.
+        With M (`case.ratio`) zero the load is the angle of attack, which jumps with the wind: a
+        jump leaves its size at the onset, else half of it.
         """
         jumped = 0.0
         if self.case.ratio == 0.0:
@@ -305,8 +305,7 @@ class LoadLimits:
     def _programmed(self) -> bool:
         """Whether the minimum load takes linear programs, and is not just a jump of the wind.
 
-        It does with a load of the deflection itself (`case.ratio`, M), a rate limit, or several
-        unstable modes.
+        It does with M (`case.ratio`) other than zero, a rate limit, or several unstable modes.
         """
         case = self.case
         return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)

@@ -116,7 +116,7 @@ class TwoPlaneRequirement:
     @property
     @derived("angle")
     def peak(self) -> float:
-        """Size [rad] of the largest wind vector."""
+        """Largest size [rad] over time of the vector of wind angles in pitch and yaw."""
         return float(self.wind.peak)
 
     def ratio_to(self, plane: str) -> float:

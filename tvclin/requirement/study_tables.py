@@ -430,7 +430,7 @@ class StudyResponse:
 
     @property
     def table(self) -> Table:
-        """Table of largest and last values, with loads where the response covers the wind."""
+        """Table of largest and last attitudes, with loads where the response covers the wind."""
         wind, loads = self.study.history, None
         if self.end >= wind.end:
             loads = wind_loads(self.plant, self.deflection, wind)

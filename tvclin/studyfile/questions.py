@@ -123,7 +123,7 @@ class Question(Record):
 
     @property
     def text(self) -> str:
-        """Reason of the answer, as plain text."""
+        """Reason of the answer to the question, as plain text."""
         return text(self.line)
 
 

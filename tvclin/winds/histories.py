@@ -49,7 +49,7 @@ class History(Record, ABC):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """Pieces as arrays: knots, coefficients and rates."""
+        """Pieces of the history: knots [s], coefficients by rate and power of time, rates [1/s]."""
         return self._pieces()
 
     @property
@@ -59,7 +59,7 @@ class History(Record, ABC):
 
     @property
     def batch(self) -> tuple[int, ...]:
-        """Shape of the leading axes of every quantity."""
+        """Shape of the batch of histories, the leading axes of every array."""
         return self.pieces.batch
 
     def __call__(self, t: ArrayLike) -> FloatArray:
@@ -225,7 +225,7 @@ class History(Record, ABC):
 
     @cached_property
     def final_value(self) -> FloatArray:
-        """Limit for t to infinity, shape ``batch``; NaN where it does not exist."""
+        """Value of the history for t to infinity, shape ``batch``; NaN where it has no limit."""
         # coefficients of the last piece by rate and power of time, ``(..., rates, degree + 1)``; a
         # term c u^k e^(rate u) stays if its rate is zero or positive, unless it is the constant
         last, rates = self.pieces.coefficients[..., -1, :, :], self.pieces.rates
@@ -325,7 +325,7 @@ class History(Record, ABC):
 
     @property
     def _nonzero(self) -> BoolArray:
-        """Whether each piece has a width and differs from zero, ``(..., n)``."""
+        """Whether each piece of the history has a width and is not zero, ``(..., n)``."""
         c = self.pieces.coefficients  # column by column: numpy is slow along short axes
         columns = np.moveaxis(c.reshape(*c.shape[:-2], c.shape[-2] * c.shape[-1]), -1, 0)
         filled = reduce(np.logical_or, columns != 0.0)
@@ -333,7 +333,7 @@ class History(Record, ABC):
 
     @property
     def _linear(self) -> bool:
-        """Whether all pieces are linear in time."""
+        """Whether all pieces of the history are linear in time, without exponentials."""
         return self.pieces.degree <= 1 and not np.any(self.pieces.rates)
 
     def _refined_peak(self, times: FloatArray, at: IndexArray, largest: FloatArray) -> FloatArray:

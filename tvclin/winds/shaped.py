@@ -273,7 +273,7 @@ class FixedWind:
 
     @property
     def max_angle(self) -> float:
-        """Largest size of the wind angle [rad]."""
+        """Largest size of the wind angle [rad] of the fixed wind, over all times."""
         return abs(float(self.angle.peak))
 
     def history(self, values: dict[str, Any]) -> History:
@@ -313,7 +313,7 @@ class WindEnsemble:
 
     @property
     def count(self) -> int:
-        """Number of winds."""
+        """Number of winds in the ensemble, rows of `angle`."""
         return len(self.angle)
 
     @property
@@ -323,7 +323,7 @@ class WindEnsemble:
 
     @property
     def max_angle(self) -> float:
-        """Largest size of all wind angles [rad]."""
+        """Largest size of the wind angles [rad] of all winds of the ensemble."""
         return float(np.abs(self.angle).max())
 
     def chosen(self, numbers: ArrayLike) -> IntArray:

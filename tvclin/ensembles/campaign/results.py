@@ -102,7 +102,7 @@ class CampaignResults(Tabled):
     @property
     @derived()
     def outputs(self) -> tuple[str, ...]:
-        """Names of the columns of all outputs."""
+        """Names of the columns of all outputs of the campaign, in their order."""
         return tuple(columns(self.campaign))
 
     @property
@@ -131,7 +131,7 @@ class CampaignResults(Tabled):
         return self._read([one_of("column", name, self._names)])[name]
 
     def _read(self, names: Sequence[str]) -> dict[str, AnyArray]:
-        """Return columns by `names`, ``(n,)`` for all finished cases, in one pass over chunks."""
+        """Return the columns with these names, ``(n,)`` over all n finished cases, by name."""
         values: dict[str, list[AnyArray]] = {name: [] for name in names}
         for k in self.chunks:
             columns = self._chunk(k)
@@ -140,11 +140,11 @@ class CampaignResults(Tabled):
         return {k: np.concatenate(v) if v else np.zeros(0) for k, v in values.items()}
 
     def _chunk(self, chunk: int) -> dict[str, AnyArray]:
-        """Return the columns of a finished chunk by name."""
+        """Return the columns of the finished chunk `chunk`, its number, by name, ``(n,)`` each."""
         return read_columns(self.folder, self.manifest, chunk)
 
     def statuses(self) -> dict[str, int]:
-        """Return the number of cases by status, the most frequent first."""
+        """Return the number of finished cases by text of their status, the most frequent first."""
         counts: dict[str, int] = {}
         for k in self.chunks:
             column = self._chunk(k)["status"]
@@ -250,7 +250,7 @@ class CampaignResults(Tabled):
 
     @property
     def flights(self) -> tuple[int, int] | None:
-        """Numbers of flights that survived and that are lost; None where nothing was flown."""
+        """Numbers of flights that survived and that are lost; None if the campaign flies none."""
         if "flight" not in self.campaign.outputs:
             return None
         survived = self.column("flight_survived")
@@ -349,7 +349,7 @@ class CampaignResults(Tabled):
         return self.angles[0] if name is None else one_of("output", name, self.angles)
 
     def _level(self, probability: float | None, confidence: float | None) -> tuple[float, float]:
-        """Return probability and confidence, if None the values of the campaign."""
+        """Return probability and confidence level of a quantile; None takes the campaign's."""
         plan = self.campaign
         return (
             plan.probability if probability is None else probability,
