@@ -182,7 +182,11 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
 
 @pytest.mark.thorough
 def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tmp_path) -> None:
-    """Enough where the wind is known is not enough; a pulse joins only where one is named."""
+    """Enough where the wind is known is not enough; a pulse joins only where one is named.
+
+    The sounding has four levels, so that the wind between them is not known either.
+    """
+    gap, end = "from 5.71 to 12 km and in 1 other gap", "above 12.0 km (66.19 s)"
     given = ("ascent", "configuration-i", *FLOWN, "--dead-band", "1", "--every", "20")
     sufficient = run(*given, "--limit-deg", "0.7", "--more")
     lower = run(*given, "--limit-deg", "0.7", "--to", "65", "--json")
@@ -190,17 +194,19 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     other = run(*given, "--peak-deg", "2", "--to", "65", "--more")
 
     assert (sufficient.exit_code, short.exit_code) == (1, 1)
-    assert (lower.exit_code, unasked.exit_code) == (0, 0)
+    assert (lower.exit_code, unasked.exit_code) == (1, 0)
     assert "deg: NOT KNOWN; where the winds are known 0.2" in sufficient.output
-    assert "; required deflection NOT KNOWN above 12.0 km (66.19 s); budget" in sufficient.output
+    where = f"; required deflection NOT KNOWN {end}, {gap}"
+    assert where in " ".join(sufficient.output.split())
     document, below = json.loads(short.stdout), json.loads(lower.stdout)
     assert document["winds"] == ["wyoming.txt"]
     assert document["times_s"] == [41.0, 60.0, 80.0, 100.0, 116.0]
     assert [row[0] for row in document["known"]] == [True, True, False, False, False]
     assert [row[0] is None for row in document["required_deg"]["K = 1"]] == [False] * 2 + [True] * 3
     assert document["verdict"]["sufficient"] is False
-    assert json.loads(unasked.stdout)["verdict"]["not_sized"] == ["above 12.0 km (66.19 s)"]
-    assert (below["verdict"]["sufficient"], below["verdict"]["not_sized"]) == (True, [])
+    of_gap = f"{gap}, in a gap of wyoming.txt"
+    assert json.loads(unasked.stdout)["verdict"]["not_sized"] == [end, of_gap]
+    assert (below["verdict"]["sufficient"], below["verdict"]["not_sized"]) == (None, [of_gap])
     assert below["known_times_s"][0][1] == pytest.approx(66.19, abs=0.01)
     assert "by wind" in other.output
     assert "by wind" not in sufficient.output
