@@ -209,6 +209,8 @@ class EncounteredPlanes:
         along = np.zeros(times.shape)
         if np.any(angles["pitch"]):
             along = wind_angles.along_from_angle(path, angles["pitch"])
+        # the air speed in the plane of the path, over the speed, is the root of q/q_n without wind
+        # across; the wind across it is the tangent of the yaw angle times this air speed
         across = np.sqrt(wind_angles.pressure_in_winds(path, along)) * np.tan(angles["yaw"])
         return angles[self.plane], wind_angles.pressure_in_winds(path, along, across)
 

@@ -205,7 +205,11 @@ class _Answer:
 
     @property
     def notes(self) -> list[str]:
-        """Notes of the flight, except of the sizing and of the controllability ratio."""
+        """Notes of the flight, except of the sizing and of the controllability ratio.
+
+        `flights` are the flights of the autopilot, `use` its required and used deflections; None
+        where they are not computed.
+        """
         flights, notes = self.flights, []
         if flights is not None:
             notes = [f"flown by the autopilot: {flights.verdict}", *flights.notes]
@@ -301,7 +305,8 @@ class _Answer:
         """Print the tables by time and wind, of the budget, and of turbulence.
 
         `further`: tables by flight time after the first. `in_turbulence`: tables of turbulence
-        after the first.
+        after the first. `counted` is the requirement in the budget `total`, `ratio` the
+        controllability ratio, None if it is not computed.
         """
         sizing, counted, ratio = self.sizing, self.counted, self.ratio
         print_tables(*further)

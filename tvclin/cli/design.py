@@ -409,7 +409,10 @@ class _Answer:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Notes on the gains, on the search for them and on their margins."""
+        """Notes on the gains, on the search for them and on their margins.
+
+        Margins are of the `whole` loop and of its modes; `held_to` are the criteria for them.
+        """
         sought = () if self.sought is None else self.sought.notes
         satisfied, delay = self.margins.satisfied, self.margins.whole.delay_margin
         notes = gain_notes(self.case, self.case.held_to, satisfied, delay)

@@ -506,7 +506,11 @@ class AutopilotFlight:
 
     @property
     def _requirement(self) -> str:
-        """The autopilot requirement, at the pressure of a head wind and at nominal pressure."""
+        """The autopilot requirement, at the pressure of a head wind and at nominal pressure.
+
+        `head` is its boundary at the peak pressure, None without one. NOT KNOWN for an unstable
+        loop, and where flights cannot decide.
+        """
         if not self.compared.margins.stable:
             return f"{sufficiency(None)}, {self.compared.margins.reason}"
         if self.requirement is None or self.unknown_reason:

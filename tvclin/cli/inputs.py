@@ -129,6 +129,7 @@ def note_source(source: str, question: str) -> None:
         with suppress(InputError):  # a file without [schedule], of which availability has its own
             note_omissions(load_sizing(source), question)
         return
+    # called for its notes on stderr alone
     if {"vehicle", "study", "campaign"} & source_tables(source).keys():
         case_of(source, questions=(question,))
 

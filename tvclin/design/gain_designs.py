@@ -46,7 +46,8 @@ def minimum_gains(
 
     `winds`: one wind or several. `criteria`: required margins. `options`: further arguments of
     `minimum_deflection_gains`, whose exceptions apply. `InputError` for gains and numbers of other
-    rules in the same design.
+    rules in the same design. `minimum` of the design is the minimised deflection: the peak of the
+    linear loop, or the "limit" with which flights survive, also `sudden_ends` of each wind.
     """
     design = case.autopilot_design
     chains: dict[str, Any] = design.chains

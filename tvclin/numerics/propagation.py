@@ -307,6 +307,7 @@ def piece_peaks(
         remaining = np.arange(first, min(first + _PIECES_PER_BLOCK, len(widths)))
         states = starts[remaining]
         ends = np.real(rows @ matrices_on_states(to_end[which[remaining]], states).T)
+        # powers: transition matrices from the start of a block of samples to each of them
         for start, step, powers in _sample_steps(matrix, float(widths[remaining].max())):
             steps = start + step * np.arange(_STEPS_PER_BLOCK + 1.0)[:, np.newaxis]
             inside = (steps < widths[remaining])[:, np.newaxis]

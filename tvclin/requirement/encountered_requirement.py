@@ -200,6 +200,7 @@ def largest_measured_pressure(case: Case) -> float:
         return 1.0
     if isinstance(case.wind, VehicleWind):
         return case.wind.largest_pressure(case.vehicle, case.plane)
+    # sampled at both sides of each breakpoint and at eight times between two
     encountered = _of_ensemble(case.history, case.vehicle, case.plane)
     encountered.check_possible()
     _, ratio = encountered.at(encountered.history.probe_times()[np.newaxis])

@@ -170,7 +170,8 @@ def unstable_modes_omitted(plant: Plant, modes: dict[str, Modes]) -> Iterator[st
     if plant.model not in ONE_POLE or exact not in modes:
         return
     more = modes[exact].poles.size > modes[plant.model].poles.size
-    # where the longest wind of the single-pole theory is known, `slow_or_paired` has a note
+    # where the longest wind that the single-pole theory covers is known, the note of
+    # `slow_or_paired` says whether this wind is longer
     if more and np.isnan(single_pole_validity(plant.coefficients)):
         yield (
             f"the exact model has unstable modes that {plant.model} leaves out, and may need more"

@@ -319,6 +319,8 @@ class Equations:
         """Growth rate p.A p [1/s] at the end of each vehicle's steps, ``(n,)``.
 
         The costate p is of length one, so that this is the pole of p where the vehicle is constant.
+        `end` has p and the control reach of the fastest mode; `nominal` the equations E = [A b w]
+        at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
         """
         order = self.nominal.shape[-2]
         costate, A = self.end[:, :order], self.nominal[:, -1, 2, :, :order]  # of the last step

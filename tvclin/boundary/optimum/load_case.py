@@ -269,7 +269,7 @@ class LoadWeights:
         A deflection counts in the load before it by unstable modes, whose states are summed
         backward in time from the end, and in the load after it by stable modes.
         """
-        start, end = self.density_ends
+        start, end = self.density_ends  # backward in time the near end of a cell is its end
         return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property

@@ -200,8 +200,9 @@ class LoadProgram:
     def _loads(self) -> tuple[Any, FloatArray, FloatArray]:
         """Rows of the load over all variables, and its largest and smallest value without them.
 
-        They are at the nodes, where the load without them is taken on both sides; with a load of
-        the deflection itself (M), which may jump there, at both ends of each cell.
+        "Without" means with all variables zero. The rows are at the nodes, where that load is taken
+        on both sides; with a load of the deflection itself (M), which may jump there, at both ends
+        of each cell. `shares` of the case are the factors from modes to the load.
         """
         from scipy import sparse
 
@@ -214,6 +215,7 @@ class LoadProgram:
             after = np.append(start[1:], end[-1])
             rows = [sparse.csr_matrix((n, self._variables)), at, sparse.csr_matrix((n, 1))]
             return sparse.hstack(rows).tocsr(), np.maximum(end, after), np.minimum(end, after)
+        # of the modes at the starts of cells; they are zero at the first node
         before = sparse.vstack([sparse.csr_matrix((1, at.shape[1])), at[:-1]])
         blocks = [sparse.vstack([M * first, M * last]), sparse.vstack([before, at])]
         rows = sparse.hstack([*blocks, sparse.csr_matrix((2 * n, 1))]).tocsr()

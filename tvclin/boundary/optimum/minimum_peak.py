@@ -429,6 +429,8 @@ def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
     cancel the modes [rad s], complex ``(n,)``.
 
         integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
+
+    over all u >= 0, which follows from ``|cos x| >= cos(x)^2`` at every phase phi.
     """
     sigma, omega = np.real(poles), np.imag(poles)
     return np.abs(demands) / (0.5 * (1.0 / sigma - 1.0 / np.hypot(sigma, 2.0 * omega)))

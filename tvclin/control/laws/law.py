@@ -351,7 +351,9 @@ class LawInPlanes:
     def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, BoolArray]:
         """Return the limited demand [rad], pitch + j yaw, and whether it is on the limit, ``(m,)``.
 
-        `demand`: pitch + j yaw [rad], ``(m,)``. `limit`: scale [rad] of the limit shape, ``(m,)``.
+        With `radial` a demand outside the limit shape keeps its direction; else each plane is
+        limited separately, to `plane_limits` times the scale. `demand`: pitch + j yaw [rad],
+        ``(m,)``. `limit`: scale [rad] of the limit shape, ``(m,)``.
         """
         if self.radial:
             with np.errstate(over="ignore"):  # the limit may be the smallest positive number

@@ -203,7 +203,8 @@ class Loop:
         """Return the derivatives of all states at a time `t` [s], ``(n,)``.
 
         `regime`: active limits of law and nozzle. The states are of the vehicle, the nozzle
-        and the law, in this order. `InputError` for a command that is not finite.
+        (`servo`, its order) and the law, in this order; `memory` is F, G of the law's m' = F m + G
+        measurements. `InputError` for a command that is not finite.
         """
         order = self.order
         measured = self.measured(t, states, regime)

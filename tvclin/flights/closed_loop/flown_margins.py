@@ -414,6 +414,7 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
     else:
         end = min(_MAX_OVER_LINEAR * linear, _MAX_FACTOR)
     change = partial(_change, name == "delay", end)
+    # `scan` and `outcomes` of the result: fractions `back`, rising, and the status of their flights
     limit: SurvivalLimit = limit_above_losses(
         lambda back: flights.survive(name, change(back)), np.linspace(0.0, 1.0, STEPS + 1)
     )

@@ -131,6 +131,7 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
         free, driven = steps.A, steps.B[:, 0]
     elif max_rate == np.inf:
         return law_command
+    # largest travel in a step [rad]; states of the actuator, the deflection first; command [rad]
     reach, servo, last_command = max_rate * step, np.zeros(driven.size), 0.0
 
     def followed(k: int, measured: Measurement) -> float:

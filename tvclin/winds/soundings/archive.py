@@ -400,7 +400,9 @@ class SoundingCollection:
     def soundings(self, utc_offset: float) -> Soundings:
         """Return all soundings in the order of their times, without repeated times, with notes.
 
-        `utc_offset`: local time minus UTC [h]. `InputError` for soundings of two stations.
+        `why` has for each sounding the reason why it cannot be used, empty if it can; `counted` has
+        by remark the number of soundings or lines, and the place of the first. `utc_offset`: local
+        time minus UTC [h]. `InputError` for soundings of two stations.
         """
         if len(self.stations) > 1:
             (a, where), (b, second_file) = list(self.stations.items())[:2]
