@@ -386,8 +386,7 @@ class LoadLimits:
 
         Each solved program adds a point (load, peak) that its control attains, and a line below all
         peaks, and the next one is solved on its finer nodes, until the gap at `load` is small.
-        Between its nodes a control exceeds the load bound, so that the next bound is lower by a
-        fraction of that.
+        Between its nodes a control exceeds the bound; the next is lower by a fraction of that.
         """
         bound = load
         for fraction in _EXCESS_FRACTIONS:

@@ -411,6 +411,7 @@ class Study(CaseRequirement, Shown):
         ]
         if not need.beyond_linear:
             free, nominal = bounds["forecast_free"].get(plant.model), need.at_nominal_pressure
+            # behind the notes on slow, paired and omitted modes
             notes[3:3] = forecast_trusted(required, K, free), undamped(plant, history, required, K)
             notes += [
                 along_the_path(need),
