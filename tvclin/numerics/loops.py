@@ -395,9 +395,8 @@ class StateLoop:
     def real_frequencies(self) -> FloatArray:
         """Return the frequencies [rad/s] at which L without its delay is real, ``(k, m)``.
 
-        They are zeros of L(s) - L(-s) on the imaginary axis, where L(-s) is the conjugate of L(s).
-        Its state matrix is block diagonal in A and -A, and its direct term zero. NaN fills the
-        rows; a zero far above the largest pole is one at infinity, and left out.
+        They are imaginary zeros of L(s) - L(-s), whose state matrix is block diagonal in A and -A,
+        and its direct term zero. NaN fills the rows; zeros far above all poles are left out.
         """
         A, B, C, D = self._matrices
         zero = np.zeros_like(A)

@@ -545,13 +545,10 @@ def _along(
     distinct = list(winds.values())
     one_sign, both_signs = [first for first, *_ in distinct], [last for *_, last in distinct]
     requirements = flight_requirements(mode, one_sign, bands, both_signs)
-    along = dict(zip(winds, requirements, strict=True))
+    along = dict(zip(winds, requirements, strict=True))  # requirements by key, see `key_of`
 
     def requirement_of(wind: PlacedWind, key: bytes | None) -> FlightRequirement:
-        """Return the requirement of a wind by its key; zero in a calm, NaN for an unknown wind.
-
-        `along`: requirements by key, see `key_of`. `bands`: dead bands.
-        """
+        """Return the requirement of a wind by its key; zero in a calm, NaN for an unknown wind."""
         if key is not None:
             return along[key]
         none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
