@@ -4,8 +4,7 @@ In polynomial form L(s) = N(s)/D(s) e^(-s T) (`Rational`), and in state space
 L(s) = (C (s - A)^-1 B + D) e^(-s T) (`StateLoop`), whose poles, zeros and crossings are eigenvalues
 of the matrices themselves, so that orders of thirty and closely spaced modes keep their digits.
 
-The closed loop with its delay has infinitely many poles. Its delayed signal is a wave v(t, theta),
--T <= theta <= 0,
+Closed, it has infinitely many poles: the delayed signal is a wave v(t, theta), -T <= theta <= 0,
 
     x' = A x + B v(-T),    dv/dt = dv/dtheta,    v(0) = -C x,
 

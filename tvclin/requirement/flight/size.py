@@ -396,7 +396,6 @@ def _plane_sizing(
                 raise
             messages.append(f"parameters are frozen at each flight time: {error}")
     rows = list(zip(vehicles, placed, strict=True))
-    # durations [s] of a triangular wind up to which a boundary with a single pole holds
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [[_change(schedule, plane, v, w) for w in row] for v, row in rows]
@@ -490,8 +489,7 @@ def _without_exit(
     """Return messages on winds in which the whole of trim counts, as the dead band has no exit.
 
     It has none where two poles are a pair, or the aerodynamic moment changes its sign. `mode`:
-    unstable mode along the flight. `times`: flight times [s] of the rows of winds in `placed`.
-    `bands`: all K.
+    unstable mode. `times`: flight times [s] of the rows of winds in `placed`. `bands`: all K.
     """
     spans = [[wind.span for wind in row if not wind.calm] for row in placed]
     rows = list(zip(times.tolist(), spans, strict=True))
