@@ -24,7 +24,7 @@ def test_the_steps_at_the_ends_of_a_window_are_the_wind_angles_there():
         np.interp(time, FLIGHT.times, x) for x in (FLIGHT.flight_path_angle, FLIGHT.speed)
     )
     expected = np.arcsin(30.0 / speed * np.sin(path))
-    assert sounding(20.0).steps(VEHICLE, "pitch") == pytest.approx(expected, rel=2e-3)
+    assert sounding(20.0).steps(VEHICLE, "pitch") == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(("share", "steps"), [(0.05, False), (0.2, True)])

@@ -415,6 +415,11 @@ def test_a_flight_that_is_lost_before_anything_changes_is_no_bad_input():
     said = " ".join(result.output.split())
     assert said.startswith("Criteria classic: MET; NOT SURVIVED with 0.2 deg, at nominal dynamic")
     assert f"the unchanged flight needs {needs:.3f}" in said
+    document = json.loads(
+        run("margins", "--natural-frequency", "1", "--limit-deg", "0.2", "--json").stdout
+    )
+    assert document["notes"][0] == "NOT SURVIVED with 0.2 deg, at nominal dynamic pressure"
+    assert any(note.startswith("the unchanged flight needs") for note in document["notes"])
     unstable = run("margins", "--limit-deg", "0.6", *UNSTABLE)
     assert unstable.exit_code == 1
     assert "NOT MET, the closed loop is unstable" in unstable.output

@@ -45,7 +45,7 @@ def test_a_mass_typed_as_a_weight_is_doubted(tmp_path: Path) -> None:
 DOUBTED = {
     "thrust is far above weight (T/W 15)": ("weight_N = 1.5e7", "weight_N = 1.6667e6"),
     "thrust is far below weight (T/W 0.4)": ("thrust_N = 2.5e7", "thrust_N = 6.0e6"),
-    "the axial force F_A is larger than the thrust (7.9e+07 N)": (
+    "the axial force F_A is 7.9e+07 N, larger than the thrust": (
         "axial_force_N = 7.9e5",
         "axial_force_N = 7.9e7",
     ),

@@ -180,7 +180,10 @@ def test_a_study_file_and_options_give_the_same_answer(command, file):
             *("--model", "drift", *AIRCRAFT, *LOOP),
             *("--limit-deg", "2", "--set", "nozzle.rate_limit_deg_per_s=20"),
         ),
-        "fly": ("--limit-deg", "2", "--dead-band", "0.5"),
+        "fly": (
+            *("--model", "drift", *AIRCRAFT, *LOOP),
+            *("--limit-deg", "2", "--set", "nozzle.rate_limit_deg_per_s=20"),
+        ),
     }[command]
     same = ("--limit-deg", "2") if command == "margins" else ()
     assert document(command, file, *same) == document(command, *AS_OPTIONS, *own)

@@ -76,3 +76,9 @@ def test_dispersed_vehicles_are_not_known_to_survive_a_sounding_with_gaps(winds,
     assert exit_code == 1
     assert found["success"]["estimate"] == 0.0
     assert found["statuses"] == {"wind not known throughout, counted as not survived": 20}
+
+
+def test_flown_margins_in_a_sounding_with_gaps_say_that_survival_is_not_known(winds):
+    for name, unknown in (("known", False), ("with gaps", True)):
+        _, found = answer(winds, name, "margins --natural-frequency 1", 0.7)
+        assert any("survival is not known" in note for note in found["notes"]) is unknown

@@ -346,7 +346,7 @@ def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, arch
     assert result.with_limit(np.radians(20.0)).fraction().unknown == 0
 
 
-@pytest.mark.parametrize("top", [np.inf, 15e3, 11.5e3])
+@pytest.mark.parametrize("top", [np.inf, 15e3, 11.5e3], ids=["above the end", "gap", "small gap"])
 @pytest.mark.parametrize("speed", usual([-130.0, 120.0], 1))
 def test_no_wind_where_none_was_measured_requires_more_than_the_upper_bound(
     flight, speed, top

@@ -1,5 +1,6 @@
 """Flown margins: linear margins far from the stop, boundaries near it, and brute scans between."""
 
+import pickle
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -10,7 +11,7 @@ from scipy.linalg import expm
 import tvclin as tv
 from tests.turns import usual
 from tvclin.flights.closed_loop.batch import Hardware, one_flight
-from tvclin.flights.closed_loop.flown_margins import CHANGES, LinearMargins
+from tvclin.flights.closed_loop.flown_margins import CHANGES, LinearMargins, LostFlightError
 from tvclin.flights.closed_loop.sampled_stability import (
     dominant_pole,
     linear_delay_margin,
@@ -439,3 +440,10 @@ def test_a_trim_law_that_lets_the_path_creep_is_refused_with_its_remedy():
     assert tv.flights.flown_margins(
         plant, tv.TrimLaw(plant_of("fixed-path")), WIND, **nozzle
     ).gain_fall
+
+
+def test_the_error_of_a_lost_flight_is_the_same_in_another_process():
+    error = LostFlightError(0.01, "more than 1.5 deg")
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.sentence) == (str(error), error.sentence)
+    assert "this needs more than 1.5 deg; got 0.573 deg" in str(again)

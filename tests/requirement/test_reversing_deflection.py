@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.requirement.time_varying import varying_requirement
+from tvclin.requirement.time_varying import step_times, varying_requirement
 from tvclin.winds.wind_angles import NominalWind
 
 PAD = """time_s,altitude_m,velocity_m_per_s,mass_kg,thrust_kN,attitude_deg,moment_of_inertia_kg_m2,\
@@ -77,3 +77,21 @@ def test_no_control_needs_less_where_the_effect_of_a_deflection_reverses(mode, m
     # of the one step, or interval, in which p.b changes its sign a part is missing
     assert answer.minimum[0] == pytest.approx(dual, rel=1e-3)
     assert answer.minimum[0] < answer.required[0] == pytest.approx(answer.trim[0], rel=1e-4)
+
+
+@pytest.mark.parametrize("dead_band", [1.0, 0.5])
+def test_winds_before_and_after_the_reversal_require_the_same_together_as_alone(mode, dead_band):
+    short = tv.TriangularWind(peak=np.radians(5.0), duration=2.0)
+    onsets = [*np.arange(0.5, 3.5, 0.5), *np.arange(12.5, 18.0, 0.5)]
+    groups = {}  # winds with the same number of steps are marched together
+    for onset in onsets:
+        wind = NominalWind(short.shift(onset))
+        groups.setdefault(step_times(wind.history, mode).shape[1], []).append(wind)
+    assert max(map(len, groups.values())) > 3
+    for winds in groups.values():
+        together = varying_requirement(mode, winds, dead_band)
+        for k, wind in enumerate(winds):
+            alone = varying_requirement(mode, [wind], dead_band)
+            for name in ("minimum", "required"):
+                value, expected = getattr(together, name)[k], getattr(alone, name)[0]
+                assert value == pytest.approx(expected, rel=1e-9), (name, k)

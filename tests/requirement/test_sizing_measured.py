@@ -287,5 +287,26 @@ def test_a_requirement_that_a_wind_before_the_gust_sets_is_noted(flight) -> None
     assert np.ptp(sizing.required["K = 1, varying"][1:, 0]) < 1e-6
     (note,) = [note for note in sizing.notes if "is the same from" in note]
     assert note.startswith("jet: K = 1, varying is the same from 90 to 105 s")
+    backwards = tv.size(flight, {"jet": wind}, times=[*late[::-1], 50.0], dead_bands=1.0)
+    assert note in backwards.notes
     changing = tv.size(flight, {"jet": wind}, times=[45.0, 50.0, 55.0], dead_bands=1.0)
     assert not any("is the same from" in note for note in changing.notes)
+
+
+def test_a_sounding_that_ends_is_noted_up_to_its_end_and_a_pulse_never(flight) -> None:
+    height = np.arange(0.0, 18.1e3, 1e3)
+    jet = tv.WindProfile(
+        height=height, east=np.interp(height, [0, 9e3, 1.8e4], [0, 40, 5]), north=0 * height
+    )
+    gust = tv.OneMinusCosineGust(peak=0.02, duration=3.0)
+    wind = tv.fly_through(jet, flight, azimuth=EAST, gust=gust)
+    end = float(wind.known[1])
+    late = [end - 6.0, end - 4.0, end - 2.0]
+    sizing = tv.size(flight, {"jet": wind}, times=[50.0, *late, end + 2.0], dead_bands=1.0)
+    same = np.ptp(sizing.required["K = 1, varying"][1:4, 0]) < 1e-6
+    assert any("is the same from" in note for note in sizing.notes) == same
+    held = tv.FlightSchedule(flight.at(66.0).replace(time=[40.0, 100.0]))
+    pulse = tv.TriangularWind(peak=0.05, duration=5.0)
+    alike = tv.size(held, {"pulse": pulse}, times=[60.0, 70.0, 80.0], dead_bands=1.0)
+    assert np.ptp(alike.required["K = 1, varying"]) < 1e-9
+    assert not any("is the same from" in note for note in alike.notes)

@@ -16,7 +16,7 @@ from tests.studies import FLIGHT
 from tvclin.base.units import UNITS
 from tvclin.cli.app import app
 from tvclin.requirement.flight.request import SoundingRequest
-from tvclin.studyfile.campaign_file import TABLES, parse_campaign
+from tvclin.studyfile.campaign_file import TABLES, differing_vehicle, parse_campaign
 from tvclin.studyfile.parse import parse_study
 from tvclin.studyfile.read import example
 
@@ -620,6 +620,9 @@ def test_a_vehicle_that_its_flight_contradicts_is_noted(tmp_path, name, factor) 
         replace(flight, vehicle=changed).to_csv(tmp_path / "flight.csv")
         warnings[ratio] = tv.studyfile.load_study(study).sizing.warnings
     assert list(map(len, warnings.values())) == [0, 0, 1]
+    at_zero = flight.vehicle.replace(time=flight.times - flight.times[0])
+    first = replace(flight, vehicle=at_zero).at(0.0).replace(velocity=0.5 * flight.speed[0])
+    assert "(velocity " in differing_vehicle(first, replace(flight, vehicle=at_zero))
     number = {"normal_force_slope": "mu_alpha", "velocity": "velocity"}[name]
     assert f" ({number} " in warnings[factor][0]
     assert "in the flight" in warnings[factor][0]

@@ -121,6 +121,11 @@ class SoundingGaps:
         """Return the gaps that a flight crosses between two times [s], in words; often empty."""
         return gap_words(self.height[(self.time[:, 0] < last) & (self.time[:, 1] > first)])
 
+    def reason(self, first: float, last: float) -> str:
+        """Return why the wind is not known between two times [s], its gaps; empty without any."""
+        gaps = self.between(first, last)
+        return f"the wind is not known {gaps}" if gaps else ""
+
 
 NO_GAPS = SoundingGaps(np.empty((0, 2)), np.empty((0, 2)))
 """Gaps of a sounding without any."""
@@ -301,8 +306,7 @@ def unknown_between(wind: MeasuredWind | MeasuredPlanes, first: float, last: flo
         # rounded inwards to 0.01 s, so that the times printed are known
         low, high = np.ceil(100.0 * begin) / 100.0, np.floor(100.0 * end) / 100.0
         return f"the wind is known from {low:.10g} to {high:.10g} s alone"
-    gaps = wind.gaps.between(first, last)
-    return f"the wind is not known {gaps}" if gaps else ""
+    return wind.gaps.reason(first, last)
 
 
 def fly_through(

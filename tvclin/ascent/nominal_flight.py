@@ -49,7 +49,7 @@ class FlightCondition:
         For numbers out of range.
     """
 
-    altitude: float = quantity("length", check=errors.between(LOWEST, HIGHEST))
+    altitude: float = quantity("altitude", check=errors.between(LOWEST, HIGHEST))
     specific_impulse: float = quantity("time", check=errors.positive)
     reference_area: float | None = quantity("area", None, errors.positive)
     table_scale: float = quantity("number", 1.0, errors.positive)

@@ -47,7 +47,7 @@ UNITS: dict[str, dict[str, float]] = {
     "energy": {"J": 1.0},
     "mass flow": {"kg_per_s": 1.0, "lb_per_s": POUND},
     "length": {"m": 1.0, "ft": FOOT, "in": FOOT / 12},
-    "altitude": {"m": 1.0, "km": 1e3, "ft": FOOT},
+    "altitude": {"m": 1.0, "km": 1e3, "ft": FOOT, "in": FOOT / 12},
     "per length": {"per_m": 1.0, "per_ft": 1.0 / FOOT, "per_in": 12 / FOOT},
     "speed": {"m_per_s": 1.0, "km_per_s": 1e3, "ft_per_s": FOOT, "kt": 1852 / 3600},
     "acceleration": {"m_per_s2": 1.0, "ft_per_s2": FOOT},
@@ -127,12 +127,14 @@ def document_unit(kind: str) -> str:
 
 _INCH = FOOT / 12
 _MILE, _OUNCE = 5280 * FOOT, POUND / 16
+_LENGTHS = {
+    **{"mm": 1e-3, "cm": 1e-2, "km": 1e3},
+    **{"in/64": _INCH / 64, "yd": 3 * FOOT, "mi": _MILE, "nmi": 1852.0},
+}
 _OTHER_UNITS: dict[str, dict[str, float]] = {
     "time": {"ms": 1e-3, "min": 60.0},
-    "length": {
-        **{"mm": 1e-3, "cm": 1e-2, "km": 1e3},
-        **{"in/64": _INCH / 64, "yd": 3 * FOOT, "mi": _MILE, "nmi": 1852.0},
-    },
+    "length": _LENGTHS,
+    "altitude": _LENGTHS,
     "mass": {"g": 1e-3, "t": 1e3, "oz": _OUNCE},
     "inertia": {
         **{"kg cm2": 1e-4, "oz in2": _OUNCE * _INCH**2, "lb in2": POUND * _INCH**2},

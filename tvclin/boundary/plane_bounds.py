@@ -120,9 +120,9 @@ class PlanePair:
 
         The remaining integral of f at a pole p integrates e^(-p (r - t)) f(r) dr from t on.
         """
-        (p, *_), (q, *_) = self.poles  # the fastest of pitch and of yaw
+        (p_pitch, *_), (p_yaw, *_) = self.poles  # the fastest of each plane
         trim, wind = (
-            (history.pitch.remaining_integral_of(p), history.yaw.remaining_integral_of(q))
+            (history.pitch.remaining_integral_of(p_pitch), history.yaw.remaining_integral_of(p_yaw))
             for history in (self.trim, self.wind)
         )
         return trim, wind

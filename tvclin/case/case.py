@@ -207,12 +207,12 @@ class Case:
         wind = self.wind_in_plane if K == 1.0 else self.wind_in_plane_at(K)
         return wind if isinstance(wind, History) else wind.history({})
 
-    @property
+    @cached_property
     def unknown_wind(self) -> str:
         """Reason why survival is not known in the wind, a sounding with gaps; often empty."""
         if isinstance(self.wind, VehicleWind):
             return self.wind.unknown(self.vehicle, self.plane)
-        return self.wind.unknown if isinstance(self.wind, FixedWind) else ""
+        return self.wind.why_unknown if isinstance(self.wind, FixedWind) else ""
 
     @property
     def hardware(self) -> dict[str, Any]:

@@ -199,8 +199,10 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
     candidates = _OF_SOUNDINGS if measured else _OF_PULSES
     counting: dict[str, list[str]] = {}  # omitted features, by a question that computes them
     for feature in named:
-        question = next(name for name in candidates if use_of(name, feature) == COMPUTED)
-        question = _LOOP_IN_SOUNDINGS if measured and feature in _LOOP else question
+        if measured and feature in _LOOP:
+            question = _LOOP_IN_SOUNDINGS
+        else:
+            question = next(name for name in candidates if use_of(name, feature) == COMPUTED)
         counting.setdefault(question, []).append(feature)
     for question, features in counting.items():
         yield f"not counted here: {listed(features)} (tvclin {question} counts it)"

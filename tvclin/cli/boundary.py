@@ -199,7 +199,8 @@ def print_in_wind(
     )
     required = study_requirement(case, case.dead_band)
     by_dead_band, notes = _required(plant, wind, dead_bands)
-    verdict = known_wind.verdict(_wind_words(case))
+    measured = isinstance(case.wind, SoundingWind)
+    verdict = known_wind.verdict("this part of the sounding" if measured else "this wind")
     verdict += f"; {required.see_study}" if required else ""
     of_dead_bands = {"boundaries": _document(dead_bands, by_dead_band), "notes": notes}
     answer(
@@ -216,11 +217,6 @@ def print_in_wind(
     if known_wind.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
-
-
-def _wind_words(case: StudyPlan) -> str:
-    """Return the wind of a case in words, of which a sounding is the part in its window."""
-    return "this part of the sounding" if isinstance(case.wind, SoundingWind) else "this wind"
 
 
 def _required(

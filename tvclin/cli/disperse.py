@@ -203,10 +203,12 @@ def _campaign(
             campaign = replace(campaign, dispersions=_OF_THE_VEHICLE)
         frozen = campaign.along is None
         campaign = (_in_a_sounding if frozen else _in_soundings)(campaign, winds, source)
-    outputs = {"flight", "flown", "margins"} & set(campaign.outputs)
-    lacking = {(): " without flights and margins", ("margins",): " without flights"}
-    question = f"disperse{lacking.get(tuple(outputs), '')}"
-    note_omissions(campaign, "disperse", question, tables=source_tables(source))
+    outputs, questions = set(campaign.outputs), ["disperse"]
+    if not outputs & {"flight", "flown"}:
+        questions.append(
+            f"disperse without flights{'' if 'margins' in outputs else ' and margins'}"
+        )
+    note_omissions(campaign, *questions, tables=source_tables(source))
     return campaign
 
 

@@ -229,7 +229,6 @@ def _word(status: str) -> str:
     return f"{survival(status == 'survived')}{detail}"
 
 
-_AT_THE_PEAK = "In a head or cross wind the requirement is that at the pressure of the peak"
 _COMPARED = (
     *("peak_deflection", "peak_deflection_rate", "peak_angle_of_attack", "peak_attitude"),
     *("peak_flight_path_angle", "minimum", "wind_gain", "part_of_trim", "steady_drift_rate"),
@@ -462,7 +461,7 @@ class AutopilotFlight:
             print_tables(*tables[1:])
             if stable:
                 uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"
-                say(f"{_AT_THE_PEAK}; the autopilot uses {uses}.")
+                say(f"In this wind the autopilot uses {uses}.")
                 rows = [*self.compared.motions(), *self._further_rows()]
                 print_tables(quantities("In this wind", rows))
             for head in self.flight.heads if self.flight is not None else ():

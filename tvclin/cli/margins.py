@@ -363,16 +363,25 @@ class _Answer:
         return self.margins.satisfied and detuned and not self._lost
 
     @property
-    def _lost(self) -> tuple[str, ...]:
-        """The verdict on a flight that is lost without any change of gain or delay; else empty.
-
-        Then `in_wind` is the error of the flown margins, which a lost flight does not have.
-        """
-        if not isinstance(self.in_wind, LostFlightError):
+    def _flown_notes(self) -> tuple[str, ...]:
+        """Notes on the flights in the wind, or on what the flight that is lost needs."""
+        flown = self.in_wind
+        if flown is None:
             return ()
-        return (
-            f"{survival(False)} with {degrees(self.case.nozzle.limit or 0.0):g} deg, {NOMINAL}",
-        )
+        if isinstance(flown, LostFlightError):
+            return (flown.sentence,)
+        unknown = f"survival is not known: {self.case.unknown_wind}"
+        of_boundary = f"{flown.spare:.4g} times the boundary of the autopilot"
+        size = f"the limit is {flown.limit:.4g} of full trim, {of_boundary}"
+        return (*([unknown] if self.case.unknown_wind else []), size, *flown.notes)
+
+    @property
+    def _lost(self) -> str:
+        """Verdict on a flight that is lost before anything changes; empty for another flight."""
+        if not isinstance(self.in_wind, LostFlightError):
+            return ""
+        limit = degrees(self.case.nozzle.limit or 0.0)
+        return f"{survival(False)} with {limit:g} deg, {NOMINAL}"
 
     def document(self) -> dict[str, Any]:
         """Return the margins, the criteria and the verdict as a document for JSON."""
@@ -386,7 +395,8 @@ class _Answer:
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         more = {name: value for name, value in further.items() if value is not None}
         margins = margins_document(self.margins)
-        return head | margins | more | {"notes": (*margins["notes"], *self._lost, *self.notes)}
+        notes = (*margins["notes"], *self._flown_notes, *self.notes)
+        return head | margins | more | {"notes": tuple(filter(None, (self._lost, *notes)))}
 
     def print(self, source: str, more: bool) -> None:
         """Print the verdict, the margins, notes and, with `more`, the autopilot and its bounds.
@@ -400,17 +410,13 @@ class _Answer:
         if self.detuned is not None:
             verdict += f"; with detuned modes: {self.detuned.verdict}"
             tables.append(self.detuned.table())
-        if isinstance(self.in_wind, LostFlightError):
-            verdict = "; ".join((verdict, *self._lost))
-            notes = [self.in_wind.sentence, *notes]
-        elif self.in_wind is not None:
+        if self._lost:
+            verdict += f"; {self._lost}"
+        elif isinstance(self.in_wind, FlownMargins):
             limit, rate = degrees(case.nozzle.limit or 0.0), case.hardware["sample_rate"]
             title = f"In this {wind_words(self.wind, case)}, {NOMINAL}"
             title = f"{title}, with a limit of {limit:g} deg, {rate:g} Hz"
             tables.append(flown_table(self.in_wind, title))
-            of_boundary = f"{self.in_wind.spare:.4g} times the boundary of the autopilot"
-            size = f"the limit is {self.in_wind.limit:.4g} of full trim, {of_boundary}"
-            notes = [size, *self.in_wind.notes, *notes]
 
         def details() -> None:
             """Print the stability of detuned modes, the autopilot and its bounds."""
@@ -420,7 +426,7 @@ class _Answer:
             if loop.whole.stable:
                 print_bounds(loop.autopilot, case.plant)
 
-        notes = [*loop.whole.notes, *notes]
+        notes = [*loop.whole.notes, *self._flown_notes, *notes]
         print_answer(verdict, *tables, notes=notes, more=more, details=details)
 
 

@@ -242,16 +242,16 @@ def over_rate(
     from tvclin import plots
 
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
-    with waiting("angle over rate"):
+    with waiting("flying"):
         flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
+        autopilot_rate = _autopilot_rate(case, names)
+    with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
-    theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
-    first, *further = trade_off.tables()
-    drawn: RateTradeOff | FlownTradeOff = trade_off
-    if laws := _flown_limits(case) if every_law else None:
-        drawn, first, further = laws, *laws.tables(), [first, *further]
-    at = REQUIRED if limit is None else "limit"  # deflection at which rates are stated, in words
-    rates = _RequiredRates(theory, _autopilot_rate(case, names), at)
+        theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
+    laws = _flown_limits(case) if every_law else None
+    drawn = laws or trade_off
+    first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
+    rates = _RequiredRates(theory, autopilot_rate, REQUIRED if limit is None else "limit")
     further += [table for duty in flown for table in duty.tables()]
     judged = _judged(case, trade_off, required)
     limited = limit is not None or rate_limit is not None

@@ -40,6 +40,7 @@ from tvclin.winds.wind_file import gust_of
 _ARCHIVE = (
     "[availability] has no least_part and is no question here; tvclin availability answers for it"
 )
+"""Note on an archive without a criterion."""
 
 
 @dataclass(frozen=True)
@@ -111,9 +112,8 @@ def study(
         announce(CURVES_SECONDS)
     with bar("answers") as progress:
         # flown margins are of the page alone
-        judged = questioned(plan)
-        findings = find(judged, progress, omitted=("flown",))
-    if plan.availability is not None and judged.availability is None:
+        findings = find(questioned(plan), progress, omitted=("flown",))
+    if plan.availability is not None and plan.availability.least_part is None:
         note_below(_ARCHIVE)
     if plot is not None:
         from tvclin.plots import save_figure, study_chart, study_planes_chart

@@ -302,11 +302,11 @@ def wind_direction(plan: StudyPlan) -> str:
 
 
 def note_sounding(wind: SoundingWind, case: Case, window: float | None) -> None:
-    """Print notes on a sounding and on its window, where that is the default or makes steps.
+    """Print notes on a sounding, and one on its window if it cuts the wind or is the default.
 
-    The sounding has no step where the window cuts it, so that the part within may require more than
-    all of it. `case`: has vehicle and plane. `window`: length [s] that is given; None for the
-    default.
+    Where the window cuts the wind, it begins or ends with a step that the sounding does not have,
+    and may require more than the whole sounding. `case`: has vehicle and plane. `window`: length
+    [s] that the user gives; None for the default.
     """
     part = f"of {wind.name} the {wind.window:g} s about the vehicle's own time count"
     steps = np.degrees(np.abs(wind.steps(case.vehicle, case.plane)))

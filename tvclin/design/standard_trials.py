@@ -182,10 +182,8 @@ def standard_laws(
     unstable pole.
     """
     design = partial(design_law, plant=plant, peak=peak, rate_limit=rate_limit)
-    laws = {name: design(name) for name in LAWS}
-    if autopilot is not None:
-        laws[AUTOPILOT] = design(AUTOPILOT, autopilot=autopilot)
-    return laws
+    others = {name: design(name) for name in LAWS if name != AUTOPILOT}
+    return {AUTOPILOT: design(AUTOPILOT, autopilot=autopilot)} | others
 
 
 def law_trials(

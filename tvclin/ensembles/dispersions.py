@@ -249,7 +249,7 @@ def checked_parameter(what: str, name: Any) -> str:
     """
     if isinstance(name, str) and _SINGLE_MODE_FACTOR.fullmatch(name):
         return name
-    if name == "mass":
+    if isinstance(name, str) and name == "mass":
         raise errors.InputError(f"{what}: a mass is dispersed as its weight; write weight")
     return errors.one_of(what, name, PARAMETERS)
 

@@ -40,8 +40,8 @@ class _LoadableResults(CompileResultCacheImpl):  # type: ignore[misc]  # numba h
         """Return the parts of a result that are written: machine code, and how it is called.
 
         The bitcode, from which machine code of callers would be made, is reduced to the names of
-        its functions, and environments of called functions without constants are omitted. Loading
-        both took twice as long as all the rest. `compiled`: result of numba.
+        its functions, and environments of called functions without constants are omitted. With
+        numba 0.68 loading both took twice as long as all the rest. `compiled`: result of numba.
         """
         (name, kind, (code, bitcode)), *further, environments = super().reduce(compiled)
         defined = [f for f in llvm.parse_bitcode(bitcode).functions if not f.is_declaration]

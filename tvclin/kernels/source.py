@@ -107,12 +107,11 @@ def digest(function: Any) -> str:
 
     Docstrings are constants.
     """
-    functions = _reached(function)
-    codes = [function.__code__ for function in functions]
+    kernels = _reached(function)
+    codes = [kernel.__code__ for kernel in kernels]
     sources = [(code.co_code, code.co_consts, code.co_names) for code in codes]
-    return sha256(
-        repr((sources, [_constants(function) for function in functions])).encode()
-    ).hexdigest()[:12]
+    constants = [_constants(kernel) for kernel in kernels]
+    return sha256(repr((sources, constants)).encode()).hexdigest()[:12]
 
 
 def _constants(function: Any) -> list[tuple[str, str]]:

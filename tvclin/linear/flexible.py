@@ -414,14 +414,14 @@ class FlexiblePlant(Shown, WithCoefficients):
 
         `count`: number of states without sensors, the columns of C.
         """
-        alpha, rigid_states = len(self.outputs) - 3, len(self.rigid.states)
-        C = np.zeros((*self.batch, alpha + 3, count))
-        D = np.zeros((*self.batch, alpha + 3, len(self.inputs)))
-        C[..., :alpha, :alpha] = np.eye(alpha)
-        # row alpha: theta - gamma - alpha_w, the wind alpha_w being input 1
-        C[..., alpha, 0], D[..., alpha, 1] = 1.0, -1.0
-        if alpha > 2:
-            C[..., alpha, 2] = -1.0
+        count_rigid, rigid_states = len(self.outputs) - 3, len(self.rigid.states)
+        C = np.zeros((*self.batch, count_rigid + 3, count))
+        D = np.zeros((*self.batch, count_rigid + 3, len(self.inputs)))
+        C[..., :count_rigid, :count_rigid] = np.eye(count_rigid)
+        # after the rigid states alpha = theta - gamma - alpha_w, the wind alpha_w being input 1
+        C[..., count_rigid, 0], D[..., count_rigid, 1] = 1.0, -1.0
+        if count_rigid > 2:
+            C[..., count_rigid, 2] = -1.0
         C[..., -2, 0] = C[..., -1, 1] = 1.0
         for k, mode in enumerate(self.structure.bending):
             C[..., -2, rigid_states + 2 * k] = mode.attitude_slope

@@ -403,9 +403,9 @@ class Plant(WithCoefficients):
         if signal == "drift_rate":
             return speed * C[..., 2, :], speed * D[..., 2, :]  # output 2: flight path angle
         # N/m and T_c/m [m/s^2]; state 1 is the attitude rate, output -1 alpha, input 0 delta
-        normal, control = (speed * force for force in self._normal_forces)
+        normal, thrust = (speed * force for force in self._normal_forces)
         direct = normal * D[..., -1, :] + station * B[..., 1, :]
-        direct[..., 0] += control[..., 0]
+        direct[..., 0] += thrust[..., 0]
         return normal * C[..., -1, :] + station * A[..., 1, :], direct
 
     def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
@@ -421,10 +421,10 @@ class Plant(WithCoefficients):
         if signal == "drift_rate":
             return speed * self.numerator("flight_path_angle", input)
         # (N alpha + T_c delta)/m + x theta'', with theta'' = s^2 theta; N/m and T_c/m in m/s^2
-        normal, control = (speed * force for force in self._normal_forces)
+        normal, thrust = (speed * force for force in self._normal_forces)
         forces = normal * self.numerator("angle_of_attack", input)
         if input == "deflection":
-            forces = polynomials.add(forces, control * self.denominator)
+            forces = polynomials.add(forces, thrust * self.denominator)
         rotation = polynomials.times_variable(self._attitude(input), 2)
         return polynomials.add(forces, station * rotation)
 
@@ -461,8 +461,8 @@ class Plant(WithCoefficients):
                 "the lateral acceleration does not follow from the coefficients of a vehicle with"
                 " mu_alpha = 0; give it an aerodynamic_arm other than zero"
             )
-        normal, control = np.asarray(c.C1 - c.b2), np.asarray((c.b1 - c.C1) / c.B)
-        return normal[..., np.newaxis], control[..., np.newaxis]
+        normal, thrust = np.asarray(c.C1 - c.b2), np.asarray((c.b1 - c.C1) / c.B)
+        return normal[..., np.newaxis], thrust[..., np.newaxis]
 
     @property
     def states(self) -> tuple[str, ...]:

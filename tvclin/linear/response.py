@@ -182,10 +182,10 @@ def attitude_responses(
         labels = tuple(label for label in plant.outputs if label in selected)
         system = system.select_outputs([plant.outputs.index(label) for label in labels])
     values, indistinct = modal.responses(system, (deflection.pieces, wind.pieces), times, shape)
-    if direct is not None:  # of the outputs from deflection and wind; only of a `SystemPlant`
+    through = 0.0
+    if direct is not None:  # D times deflection and wind, in the outputs; only of a `SystemPlant`
         inputs = np.stack(np.broadcast_arrays(deflection(times), wind(times)), axis=-2)
-        rows = [plant.outputs.index(label) for label in labels]
-        direct = direct[..., rows, :] @ inputs
+        through = direct[..., [plant.outputs.index(label) for label in labels], :] @ inputs
     if indistinct is not None:  # cases with nearly equal poles, without a sum of modes
         cases = np.flatnonzero(indistinct)
         if shape:
@@ -195,7 +195,7 @@ def attitude_responses(
         values[indistinct] = coupled(
             plant, labels, deflection, wind, times, cases.shape if shape else ()
         )
-    return Responses(times, values if direct is None else values + direct, labels)
+    return Responses(times, values + through, labels)
 
 
 def _by_lags(

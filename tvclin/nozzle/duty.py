@@ -23,8 +23,13 @@ from tvclin.linear.extremes import Point
 from tvclin.vehicle.vehicle import Vehicle
 
 _STEP_FIELDS = (
-    *("at", "angle", "rate", "acceleration"),
-    *("angle_of_attack", "angular_acceleration", "weights"),
+    "at",
+    "angle",
+    "rate",
+    "acceleration",
+    "angle_of_attack",
+    "angular_acceleration",
+    "weights",
 )
 """Fields of a motion with a number for each step."""
 

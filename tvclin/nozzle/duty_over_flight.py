@@ -75,7 +75,7 @@ class FlownDuty(Shown):
     """Duty of a nozzle in the flight of a law, and the verdict on its data sheet.
 
     `status`: outcome of the flight; see `fly_many`. `duty`: the duty until 15 time constants of the
-    fast mode after the wind; None for a flight that does not survive, and in a wind beyond linear
+    fast mode after the wind; None for a flight that is lost, and in a wind beyond linear
     aerodynamics or with gaps. `notes`: on the design of the law, and on omitted terms.
     """
 
@@ -90,7 +90,7 @@ class FlownDuty(Shown):
         """Return the duty of a law in the wind of a case, whose nozzle has a deflection limit.
 
         `name`: name of the law. A wind beyond the linear aerodynamics, or a flight without an
-        outcome, is not judged; a flight that is lost has a duty, and the verdict says so.
+        outcome, is not judged. A flight that is lost has no duty; the verdict says so.
         """
         limit, data, vehicle = case.nozzle.limit, case.nozzle.data, None
         assert limit is not None
@@ -109,11 +109,12 @@ class FlownDuty(Shown):
             notes = (*notes, *duties[0].notes, *actuator_notes(case.nozzle.actuator))
         if status != SURVIVED and not reason:
             diverged = [f"{name} {OUTCOME_WORDS[status]}"]
-        travel = duties[0].travel if duties else np.nan
-        required = requirements_on_nozzle(case.nozzle, duties, travel)
-        verdict = NozzleVerdict.of(case.nozzle, required, diverged)
         if reason:
             verdict = NozzleVerdict.unknown_of(case.nozzle, [f"the flight of {name}: {reason}"])
+        else:
+            travel = duties[0].travel if duties else np.nan
+            required = requirements_on_nozzle(case.nozzle, duties, travel)
+            verdict = NozzleVerdict.of(case.nozzle, required, diverged)
         return cls(
             law=name,
             status=status,
@@ -234,9 +235,13 @@ def flight_duty(
             placed = placed_in_planes(
                 conditions.planes, wind, vehicle, time, placing="peak", window=1.0
             )
-            reasons = {in_plane.why for in_plane in placed.values() if not in_plane.known}
-            if reasons or (gaps := _gaps(wind, *edges[i : i + 2].tolist())):
-                unknown.setdefault(name, {})[time] = reasons.pop() if reasons else gaps
+            # empty where a sounding ends
+            reasons = [in_plane.why for in_plane in placed.values() if not in_plane.known]
+            if isinstance(wind, MeasuredWind | MeasuredPlanes):
+                in_interval = wind.gaps.reason(*edges[i : i + 2].tolist())
+                reasons += [in_interval] if in_interval else []
+            if reasons:
+                unknown.setdefault(name, {})[time] = next(filter(None, reasons), "")
             angles[name] = max(angles[name], angle_at(placed, time))
             sign = j < len(signed) and signed[j]
             points += conditions.points(i, time, name, placed, sign, _measured(wind))
@@ -434,15 +439,6 @@ def _duties(
 def _measured(wind: Any) -> bool:
     """Return whether a wind was measured over the heights of the flight."""
     return isinstance(wind, MeasuredWind | MeasuredPlanes)
-
-
-def _gaps(wind: Any, start: float, stop: float) -> str:
-    """Return why a wind is not known between two flight times [s]: gaps of a sounding, or empty.
-
-    A pulse has no gaps. `start`, `stop`: ends of the interval about a flight time.
-    """
-    gaps = wind.gaps.between(start, stop) if _measured(wind) else ""
-    return f"the wind is not known {gaps}" if gaps else ""
 
 
 def _verdict(

@@ -77,7 +77,7 @@ class FlownTradeOff(Shown):
     @property
     @derived()
     def survives(self) -> dict[str, bool] | None:
-        """Whether each law survives with the nozzle; None without its limits, or not known."""
+        """Whether each law survives with the nozzle; None without its limits, or if not known."""
         required, limit = self.required, self.minimum.limit
         if required is None or limit is None or self.minimum.beyond_linear:
             return None
@@ -116,7 +116,7 @@ class FlownTradeOff(Shown):
             " for each rate limit; none: with no limit a flight survives up to three times the"
             " largest trim deflection"
         )
-        if self.unknown_wind:
+        if self.unknown_wind and self.survives is None:
             yield f"survival is not known: {self.unknown_wind}"
         if not all(np.all(monotone) for monotone in self.monotone.values()):
             yield "*: some lower limits survive as well; above this one all that were tried survive"

@@ -22,7 +22,7 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.requirement.case_requirement import CaseRequirement
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.linear_vehicle import complete_vehicle
-from tvclin.vehicle.vehicle import at_pressure
+from tvclin.vehicle.vehicle import Vehicle, at_pressure
 from tvclin.winds.shaped import ShapedWind
 
 AnyCase = TypeVar("AnyCase", bound=Case)
@@ -66,8 +66,8 @@ class AutopilotRequirement:
     def sufficient(self, limit: float) -> bool | None:
         """Return whether a limit [rad] is sufficient; None if that is not known.
 
-        It is not known where a head wind sets the required deflection, for a limit that covers the
-        requirement at nominal dynamic pressure, but not that in the head wind.
+        It is not known where the dynamic pressure in the wind counts (`head_counts`), for a limit
+        that covers the requirement at nominal pressure, but not that at the pressure in the wind.
         """
         sufficient_nominal = bool(covers(limit, self.nominal_deflection))
         if sufficient_nominal and self.head_counts:
@@ -107,7 +107,7 @@ def _measured_boundary(case: Case, autopilot: Autopilot) -> tuple[ClosedLoopBoun
         ratio = largest_measured_pressure(case)
         if ratio <= 1.0:
             return None, False
-        denser = _at_pressure_ratio(case, ratio)
+        denser = replace(case, vehicle=at_pressure(_complete(case), ratio))
         return autopilot_boundary(denser, denser.plant, autopilot), True
     return None, True
 
@@ -155,22 +155,18 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 
-    _check_plant(case)
+    complete = _complete(case)
     if need.unknown:
         raise InputError(need.unknown)
-    rigid = complete_vehicle(case.vehicle, "a head wind").rigid
-    ratio = largest_pressure(need.placed, rigid, need.plane, need.direction, size)
-    return _at_pressure_ratio(case, ratio)
-
-
-def _at_pressure_ratio(case: AnyCase, ratio: float) -> AnyCase:
-    """Return a case at `ratio` times its dynamic pressure; `InputError` as `at_peak_pressure`."""
-    _check_plant(case)
-    complete = complete_vehicle(case.vehicle, "a head wind")
+    ratio = largest_pressure(need.placed, complete.rigid, need.plane, need.direction, size)
     return replace(case, vehicle=at_pressure(complete, ratio))
 
 
-def _check_plant(case: Case) -> None:
-    """Raise `InputError` for a plant in state space, which has no other dynamic pressure."""
+def _complete(case: Case) -> Vehicle:
+    """Return the vehicle of a case, complete, to be taken at another dynamic pressure.
+
+    `InputError` for a plant in state space, which is known at the nominal one alone.
+    """
     if case.plant_system is not None:
         raise InputError("a plant in state space is known at nominal dynamic pressure alone")
+    return complete_vehicle(case.vehicle, "a head wind")

@@ -80,23 +80,23 @@ def uncounted_sign(sign: str | None) -> str:
 
 
 def along_the_path(need: CaseRequirement) -> Iterator[str]:
-    """Yield notes: a sign is not counted in a cross wind; the dynamic pressure is the nominal one.
+    """Yield notes on the direction of a wind, and on its change of the dynamic pressure.
 
-    `need`: requirement of the wind of the study. The second is for a wind in the pitch plane so
-    large that its change of the pressure counts, where that was not, or could not be, computed. A
-    third is for a head wind that turns the path away from the nominal one, on which the pressure
-    encountered rests.
+    Large head winds turn the path, on which the pressure encountered rests; a sign is not counted
+    in a cross wind; in the pitch plane the change of the pressure may not have been computed.
+    `need`: requirement of the wind of the study.
     """
-    wind = need.history
-    turned = float(wind.peak) ** 2 * float(wind.end - wind.onset)
-    if need.direction == "head" and turned > _MAX_STRAIGHT_PATH_RAD2_S:
+    wind, peak = need.history, abs(float(need.history.peak))
+    size = peak**2 * float(wind.end - wind.onset)  # [rad^2 s]
+    if need.direction == "head" and size > _MAX_STRAIGHT_PATH_RAD2_S:
         yield (
             "in a head wind of this size and duration nonlinear flights, whose path turns, require"
-            " more, 1 to 4 percent of the report's vehicles (tvclin fly --engine planar-varying)"
+            " more, by 1 to 4 percent for the report's vehicles (tvclin fly --engine"
+            " planar-varying)"
         )
     if need.sign in SIGNS and need.direction == CROSS:
         yield uncounted_sign(need.sign)
-    if need.plane != "pitch" or abs(float(need.history.peak)) <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:
+    if need.plane != "pitch" or peak <= _MAX_NOMINAL_PRESSURE_ANGLE_RAD:
         return
     changes = "this wind along the path also changes the dynamic pressure, which is frozen here"
     if need.sign == FROZEN:
@@ -402,21 +402,21 @@ class Study(CaseRequirement, Shown):
         required, K, judged = need.requirement, need.dead_band, need.judged
         # wind angle [rad] at the survivable peak, with a heading that of the vector of both planes
         survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
+        free, nominal = bounds["forecast_free"].get(plant.model), need.at_nominal_pressure
+        trusted = forecast_trusted(required, K, free), undamped(plant, history, required, K)
+        directed = (
+            along_the_path(need),
+            direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
+        )
         notes = [
             linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
             slow_or_paired(plant, history, required, K),
             unstable_modes_omitted(plant, modes),
+            *(() if need.beyond_linear else trusted),
             vehicle_warnings(case.vehicle),
             gust_placed(pulse_of(case), need.wind_in_plane),
+            *(() if need.beyond_linear else directed),
         ]
-        if not need.beyond_linear:
-            free, nominal = bounds["forecast_free"].get(plant.model), need.at_nominal_pressure
-            # behind the notes on slow, paired and omitted modes
-            notes[3:3] = forecast_trusted(required, K, free), undamped(plant, history, required, K)
-            notes += [
-                along_the_path(need),
-                direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
-            ]
         trim = abs(float(coefficients.B * history.peak))
         if need.beyond_linear:
             bounds, trim = _unknown(bounds), np.nan

@@ -40,7 +40,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import repeated, run
-from tvclin.requirement.varying_curves import Curves
+from tvclin.requirement.varying_curves import Curves, parabola
 from tvclin.requirement.varying_equations import Equations, minimum_peaks
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, EncounteredWind, NominalWind
@@ -257,8 +257,8 @@ class VaryingRequirement:
     required : ndarray
         Required deflection at the dead band; zero without an unstable mode, NaN with K < 1 for a
         wind that changes its sign. The largest trim over K where a pair alone is unstable, and with
-        K < 1 where modes are a pair for a while or mu_alpha changes its sign: a constant limit may
-        then drive the vehicle to either side.
+        K < 1 where modes are a pair for a while, or mu_alpha or the effect of a deflection changes
+        its sign: a constant limit may then drive the vehicle to either side.
     minimum : ndarray
         Lower bound with the wind known: no control needs less.
     time : ndarray
@@ -296,7 +296,7 @@ def varying_requirement(
     trim = trim_and_demand.largest_trim
     reach = equations.end[:, -1]  # control reach R of the fastest real unstable mode, NaN without
     no_real_mode = np.broadcast_to(np.isnan(reach), trim.shape)
-    # the demand at the onset bounds every control; else only the minimum over several modes does
+    # the demand at the onset bounds every control; else only the minimum peak of `_exits` does
     demand_bounds = ~(no_real_mode | equations.reverses)
     minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
     peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
@@ -323,12 +323,12 @@ def varying_requirement(
 def _exits(
     winds: SteppedWinds, trim_and_demand: Curves, dead_band: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return minimum peaks [rad] over several modes, and limits [rad] and times [s] of exits.
+    """Return minimum peaks [rad] of any control, and limits [rad] and times [s] of exits.
 
     All are ``(n,)``: the smallest peak of any control from the onset of a wind on, zero for a case
-    with one mode; and for `dead_band` K < 1 the limit that is required, and the time at which the
-    control leaves the dead band; both zero for K = 1. `trim_and_demand`: curves of the deflection
-    of trim, and of the limit that is sufficient when held from then on.
+    that is not in `Equations.modes`; and for `dead_band` K < 1 the limit that is required, and the
+    time at which the control leaves the dead band; both zero for K = 1. `trim_and_demand`: curves
+    of the deflection of trim, and of the limit that is sufficient when held from then on.
     """
     minimum, limit, time = np.zeros((3, len(trim_and_demand.trim)))
     ratios = None  # trim over K [rad]: for 0 < K < 1 minima count from the exit on too
@@ -372,7 +372,7 @@ def batch_requirements(
         same_steps = finite[np.ravel(group) == k]
         batch_size = int(MAX_BATCH_STEPS // groups[k].sum()) + 1
         batches += np.split(same_steps, range(batch_size, same_steps.size, batch_size))
-    with repeated(max(len(batches), 1)):
+    with repeated(len(batches)):
         for cases in batches:
             batch = equations.of(cases), encountered.of(cases, count)
             required[cases] = varying_requirement(*batch, dead_band).required
@@ -431,9 +431,8 @@ def _at_substeps(values: FloatArray) -> FloatArray:
 
     `values`: at the steps, ``(n, S, 3)``, between which they are parabolas.
     """
-    u = (np.arange(FLIGHT_SUBSTEPS)[:, np.newaxis] + [0.0, 0.5, 1.0]).ravel() / FLIGHT_SUBSTEPS
-    weights = [(2.0 * u - 1.0) * (u - 1.0), 4.0 * u * (1.0 - u), (2.0 * u - 1.0) * u]
-    return np.asarray(values @ np.array(weights)).reshape(len(values), -1, 3)
+    u = (np.arange(FLIGHT_SUBSTEPS)[:, np.newaxis] + [0.0, 0.5, 1.0]) / FLIGHT_SUBSTEPS
+    return parabola(values[:, :, np.newaxis, np.newaxis, :], u).reshape(len(values), -1, 3)
 
 
 def decided_by_flights(
@@ -539,14 +538,14 @@ class SteppedWinds:
 
         They are the smallest peaks of any control from the begin of steps on. `path`: states beyond
         attitude and rate under trim at the ends of steps, of `Curves`. `trim_ratios`: trim over K
-        [rad] at the ends of steps; None where peaks from the onset on are sufficient. Arrays have
-        one row for each case, or a single row for all cases.
+        [rad] at the ends of steps; None where peaks from the onset on are sufficient. Both have one
+        row for each case.
         """
         steps, end, _onset = self._columns()  # steps, and the costate at their end
         for modes in self.equations.modes:  # cases with the same number of modes each
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
-            end_of_cases = end if len(end) == 1 else end[cases]
+            end_of_cases = end[cases]
             if modes.poles.shape[1] == 1:  # a deflection with the sign of p.b reaches the most
                 reach = np.broadcast_to(self.equations.absolute_reach, len(path))[cases]
                 end_of_cases = np.append(end_of_cases[:, :-1], reach[:, np.newaxis], axis=-1)

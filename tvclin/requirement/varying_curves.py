@@ -62,7 +62,7 @@ class Curves:
     def trim_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
         """Return the trim [rad] of cases at positions in steps: 2.5 is the middle of the third."""
         step, u = self._step(position)
-        return _parabola(self.trim[case, step], u)
+        return parabola(self.trim[case, step], u)
 
     def demand_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
         """Return the demand [rad], the limit sufficient when held from then on, by Hermite's cubic.
@@ -130,7 +130,7 @@ class Curves:
         second_difference = np.abs(begin - 2.0 * middle + end)
         bound = np.maximum(np.maximum(begin, end), middle) + 0.125 * second_difference
         case, step = np.nonzero(bound > largest[:, np.newaxis])  # where a vertex may be larger
-        summit = sign * _parabola(trim[case, step], _vertex(trim[case, step]))
+        summit = sign * parabola(trim[case, step], _vertex(trim[case, step]))
         np.maximum.at(largest, case, summit)
         return np.asarray(largest)
 
@@ -321,7 +321,7 @@ def _vertex(values: FloatArray) -> FloatArray:
     return np.where((u > 0.0) & (u < 1.0), u, 0.5)
 
 
-def _parabola(values: FloatArray, u: FloatArray) -> FloatArray:
+def parabola(values: FloatArray, u: FloatArray) -> FloatArray:
     """Return values of a parabola at fractions u of steps.
 
     `values`: at the fractions 0, 1/2 and 1 of each step, ``(..., 3)``.

@@ -279,10 +279,12 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     same = named and Path(file) == Path(vehicle_source(vehicle, folder))
     if same or "vehicle" not in source_tables(file):  # a file without [vehicle] is a flight alone
         return flight
-    name = vehicle if named else vehicle.get("name") or "given by its numbers"
+    name = vehicle if named else vehicle.get("name") or _NAMELESS
     return flight | {"another": name}
 
 
+_NAMELESS = "given by its numbers"
+"""Name of a vehicle without one, in messages."""
 _MAX_VEHICLE_DIFFERENCE = 0.05
 """Relative difference of a number of the vehicle from that of its flight that has a note."""
 
@@ -294,14 +296,15 @@ def differing_vehicle(vehicle: AnyVehicle, schedule: FlightSchedule) -> str:
     flight. `vehicle`: that of the study. `schedule`: the flight.
     """
     first, last = schedule.span
-    if not isinstance(vehicle, Vehicle) or not first <= (time := vehicle.time or -np.inf) <= last:
+    time = vehicle.time if isinstance(vehicle, Vehicle) else None
+    if time is None or not first <= time <= last:
         return ""
     own, flown = (coefficients_of(v.rigid, "pitch") for v in (vehicle, schedule.at(float(time))))
     for name, unit in {"mu_alpha": "1/s^2", "mu_delta": "1/s^2", "velocity": "m/s"}.items():
         value, other = (float(getattr(c, name)) for c in (own, flown))
         if abs(value - other) > _MAX_VEHICLE_DIFFERENCE * max(abs(value), abs(other)):
             of_study = f"{name} {value:.4g} {unit} at {time:.4g} s, in the flight {other:.4g}"
-            return f"{vehicle.name or 'given by its numbers'} ({of_study})"
+            return f"{vehicle.name or _NAMELESS} ({of_study})"
     return ""
 
 

@@ -62,8 +62,8 @@ _UNSEALED_IF_NONE = (
 MOST_CASES = 20_000
 """Largest number of dispersed cases of a page; a campaign computes more."""
 _FLOWN_SIZE_TOLERANCE = 1e-5
-"""Tolerance of the logarithm of a factor on the wind that is flown, whose requirement is known to
-1/4096 of a step of its scan."""
+"""Tolerance of the logarithm of the largest factor on the wind that the autopilot survives: flights
+give its requirement to 1/4096 of a step of their scan, 5e-6 of it at most."""
 _MAX_SAMPLES = 100_000
 """Largest number of samples of a wind of flown margins: some thousand flights through it."""
 

@@ -198,7 +198,7 @@ class FlightLoop:
         used = np.full(times.shape, np.nan)
         worst_flight: FlightAlong | None = None
         outcomes: list[FlightOutcome] = []
-        directed = [(case, name) for case in cases for name in self._directions(case.wind)]
+        directed = [(case, sign) for case in cases for sign in self._directions(case.wind)]
         flights = self._flown(directed, plan.nozzle.limit)
         for k, case in enumerate(cases):
             of_case: list[FlightOutcome] = []

@@ -102,7 +102,7 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         if values["sizing"] is not None:
             values["sizing"] = replace(values["sizing"], scheduled_design=design)
     sizing = values["sizing"]
-    # `another`: name of the vehicle of the study where the flight belongs to another vehicle
+    # `another`: name of the study's vehicle where the flight is of another or has another number
     if sizing is not None and not sizing.another:
         another = differing_vehicle(subject["vehicle"], sizing.schedule)
         values["sizing"] = replace(sizing, another=another)

@@ -144,13 +144,13 @@ def questions(findings: Findings) -> tuple[Question, ...]:
     """
     study, answers = findings.study, []
     for question in _answered(findings):
-        answers.append(question)
-        required = question.required_deflection
+        required, answer = question.required_deflection, question
         reason = study.beyond_linear or (study.unknown if question.yes is not False else "")
         if question.name in _IN_THE_WIND and reason:
-            answers[-1] = Question(question.name, None, (reason,))
+            answer = Question(question.name, None, (reason,))
         elif question.measure is None and study.limit is not None and not np.isnan(required):
-            answers[-1] = replace(question, measure=_of_angles(required, study.limit))
+            answer = replace(question, measure=_of_angles(required, study.limit))
+        answers.append(answer)
     return tuple(answers)
 
 

@@ -32,8 +32,9 @@ def sentence(findings: Findings) -> Line:
 
     It compares the limit with the largest requirement, or has the first answer that is not yes, and
     names the other questions whose answer is not yes. No precedes not known, and not known precedes
-    yes: only questions of the first of these answers are compared. Without a limit and without a no
-    it states the required deflection.
+    yes: only questions of the first of these answers are compared. Where answers are not known, the
+    limit is compared only with a requirement of theirs that is larger. Without a limit and without
+    a no it states the required deflection.
     """
     limit, answers = findings.study.limit, questions(findings)
     failed = [question for question in answers if question.yes is False]
@@ -122,8 +123,8 @@ def _limit_against(worst: Question, limit: float, sufficient: bool | None) -> Li
     """Return the verdict on a limit [rad]: its surplus over a requirement, or its deficit.
 
     `worst`: question with the requirement. `sufficient`: whether the limit covers it; None where
-    the requirement is a bound below which that is not known. A requirement of zero, or infinite,
-    has its own sentence. The difference is in deg, and in percent of the
+    the requirement is an upper bound, so that a smaller limit may be sufficient too. A requirement
+    of zero, or infinite, has its own sentence. The difference is in deg, and in percent of the
     requirement up to `_MAX_PERCENT`.
     """
     if not worst.required_deflection:
@@ -230,7 +231,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
         survived = np.fmin(survived, abs(s.judged_peak) * findings.autopilot_survives)
         peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
         by = ", with this autopilot" if survived < abs(s.survivable_peak) else ""
-        gust = " with its gust" if _judged_wind(s).gust_text else ""
+        gust = ", with its gust" if _judged_wind(s).gust_text else ""
         rows.append((f"{SURVIVES}{gust}{by}", (*peak, " deg")))
     if not s.judges_both_planes:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")

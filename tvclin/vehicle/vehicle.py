@@ -298,8 +298,8 @@ def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
         )
     if np.any(np.asarray(vehicle.axial_force) > vehicle.thrust):
         yield (
-            f"the axial force F_A is larger than the thrust ({np.max(vehicle.axial_force):.4g} N):"
-            " the vehicle slows down, and its unit or coefficient may be wrong"
+            f"the axial force F_A is {np.max(vehicle.axial_force):.4g} N, larger than the thrust:"
+            " the vehicle slows down; the unit or the coefficient of F_A may be wrong"
         )
     if np.any(np.asarray(vehicle.velocity) > _MAX_VELOCITY):
         yield (

@@ -257,12 +257,12 @@ def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> Histo
 class FixedWind:
     """Wind of any shape that is the same in all cases, such as a sounding's.
 
-    `angle`: wind angle of attack [rad]. `unknown`: why parts of it are not known, in words; empty
-    where it is known.
+    `angle`: wind angle of attack [rad]. `why_unknown`: why parts of it are not known, in words;
+    empty where it is known.
     """
 
     angle: History
-    unknown: str = ""
+    why_unknown: str = ""
 
     count = 0
 

@@ -148,7 +148,6 @@ class Actuator(Record):
 
 
 INPUTS = ("deflection_command", "deflection_disturbance", "wind")
-_STATES = ("actuator_deflection", "actuator_rate")
 
 
 def plant_with_actuator(

@@ -56,8 +56,8 @@ def warn_of_feedback(autopilot: Feedback, plant: AnyPlant, stacklevel: int = 3) 
     """Warn of zero gains, positive feedback, and an actuator slower than the unstable pole.
 
     `autopilot`, `plant`: the two parts of the loop, one each or batches. `stacklevel`: as in
-    `warnings.warn`; 3 points at the caller of the calling method. Nothing is known of a controller
-    in state space, and of a plant without coefficients.
+    `warnings.warn`; 3 points at the caller of the calling method. There is no warning for a
+    controller in state space, or a plant without known coefficients.
     """
     plant = plant.rigid
     if not plant.coefficients_known or autopilot.controller is not None:

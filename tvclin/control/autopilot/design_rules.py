@@ -227,9 +227,10 @@ class AutopilotDesign:
         }
 
     def check_gains(self) -> None:
-        """Raise `InputError` for gains beside a rule, and unless attitude and rate have both one.
+        """Raise `InputError` for gains beside a rule, and without gains on both attitude and rate.
 
-        Gains are those on attitude, rate and angle of attack; without any nothing is checked.
+        It counts gains on attitude, rate and angle of attack; without any of them nothing is
+        checked.
         """
         if all(getattr(self, name) is None for name in GIVEN_GAINS):
             return

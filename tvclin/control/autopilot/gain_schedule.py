@@ -263,10 +263,12 @@ def gains_along(
     if not isinstance(autopilot, GainSchedule):
         return {name: np.full(time.shape, getattr(autopilot, name)) for name in GAINS}
     values = flight_variable(flight, autopilot.variable, time)
-    at_points = {name: getattr(autopilot.autopilot, name) for name in GAINS}  # or constant
+    at_breakpoints = autopilot.autopilot  # each gain an array over these, or constant
     return {
-        name: np.broadcast_to(autopilot._at_values(gain, values), time.shape)
-        for name, gain in at_points.items()
+        name: np.broadcast_to(
+            autopilot._at_values(getattr(at_breakpoints, name), values), time.shape
+        )
+        for name in GAINS
     }
 
 

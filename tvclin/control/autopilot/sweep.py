@@ -387,8 +387,9 @@ def sweep(
         raise errors.InputError("autopilot must be one autopilot for all times, or a GainSchedule")
     autopilots = autopilot_along(autopilot, flight, time)
     plants = plants_along(flight, time, model, plane)
-    names, _ = named_modes(plants)
-    if flight.structure is not None:  # over time: with its own names of modes and tanks
+    if flight.structure is None:
+        names, _ = named_modes(plants)
+    else:  # over time: with its own names of modes and tanks
         names = (*flight.structure.modes, *flight.structure.tanks)
     if criteria.has_mode_limits and not names:
         raise errors.InputError("criteria of modes need a flight with a structure over time")

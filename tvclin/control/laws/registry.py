@@ -54,15 +54,17 @@ def _fixed_path(plant: Plant) -> Plant:
 LAWS: Mapping[str, Callable[..., Law]] = MappingProxyType(
     {
         AUTOPILOT: _feedback,
-        "trim": lambda plant, peak, rate: TrimLaw.suited(_fixed_path(plant), peak, rate),
-        DEAD_BAND: lambda plant, peak, rate, dead_band=0.5: DeadBandLaw(
+        "trim": lambda plant, peak, rate_limit: TrimLaw.suited(
+            _fixed_path(plant), peak, rate_limit
+        ),
+        DEAD_BAND: lambda plant, peak, rate_limit, dead_band=0.5: DeadBandLaw(
             _fixed_path(plant), dead_band=dead_band
         ),
-        "half-relief": lambda plant, peak, rate: SaturatedLaw(
+        "half-relief": lambda plant, peak, rate_limit: SaturatedLaw(
             half_relief_gains(plant.coefficients)
         ),
-        "recoverable-attitude": lambda plant, peak, rate: RecoverableAttitudeLaw(
-            plant, design_peak=peak, rate_limit=rate
+        "recoverable-attitude": lambda plant, peak, rate_limit: RecoverableAttitudeLaw(
+            plant, design_peak=peak, rate_limit=rate_limit
         ),
     }
 )

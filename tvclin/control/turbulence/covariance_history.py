@@ -137,8 +137,8 @@ class CovarianceHistory(GaussianOutputs):
     def crossings(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected number of crossings of +limit upwards and of -limit downwards.
 
-        `InputError` for an unknown output, one that jumps, and a limit, in
-        the SI unit of the output, that is not positive.
+        `InputError` for an unknown output, one that jumps, and a limit, in the SI unit of the
+        output, that is not positive.
         """
         return float(np.trapezoid(self.crossing_rate(limit, output), self.times))
 
@@ -170,8 +170,7 @@ class CovarianceHistory(GaussianOutputs):
         """Return the probability that the output stays within +-limit: exp(-crossings).
 
         It is right where crossings are rare and independent, and low where they come in clusters.
-        `InputError` for an unknown output, one that jumps, and a limit that is not
-        positive.
+        `InputError` for an unknown output, one that jumps, and a limit that is not positive.
         """
         return float(np.exp(-self.crossings(limit, output)))
 

@@ -212,8 +212,8 @@ class LoopCovariance(GaussianOutputs):
         """Return E|y'| of an output, of the deflection its travel in each second [rad/s].
 
         With samples it is the mean over the phases of a sample, with the weights `_weights`.
-        `InputError` for an unknown output and an output that jumps with the wind or with
-        the noise.
+        `InputError` for an unknown output and an output that jumps with the wind or with the
+        noise.
         """
         return float(self._weights @ self._absolute_rates(output))
 

@@ -27,6 +27,7 @@ from tvclin.winds.histories import History
 from tvclin.winds.pulses import checked_gust
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.levels import MAX_WIND_SPEED
+from tvclin.winds.soundings.profile import MAX_LEVEL_DISTANCE
 from tvclin.winds.wind_angles import FROZEN, MAX_LINEAR_ANGLE
 
 _MAX_BOUND_SPREAD = 0.02
@@ -242,7 +243,7 @@ def unmeasured_notes(judge: Judge, soundings: Soundings) -> list[str]:
     places = {
         f"below {1e-3 * winds.bottom.max():.3g} km": np.any(below),
         f"above {1e-3 * winds.top.min():.3g} km": np.any(above),
-        "in gaps of more than 2 km": np.any(gaps),
+        f"in gaps of more than {1e-3 * MAX_LEVEL_DISTANCE:g} km": np.any(gaps),
     }
     where = [place for place, is_unmeasured in places.items() if is_unmeasured]
     whose = "the wind" if total == 1 else f"the wind of {count} of {total} soundings"

@@ -21,6 +21,7 @@ from tvclin.requirement.nominal_requirement import covers
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 
+_UNKNOWN_WIND = "its wind is not known far enough"
 _UNDECIDED = "its trim reaches the limit more than once, and was not flown: ask for this limit"
 """Reason for a sounding whose bounds lie on both sides of the limit."""
 _LOWER_RATIO = 1.0 - 1e-9
@@ -136,14 +137,15 @@ class Availability(Tabled):
         """Reason why a sounding is not judged, ``(n,)``; empty for a judged one.
 
         It is the sounding's own (`reasons`), or where the limit lies between both bounds of the
-        requirement, that its wind is not known, or that its flight was not flown.
+        requirement, that its wind is not known, or that trim reaches the limit more than once and
+        no flight with this limit was computed.
         """
         undecided: list[bool] = np.any(np.isnan(np.atleast_2d(self.flies)), axis=0).tolist()
         wind_known = np.all(np.atleast_2d(self.wind_known), axis=0).tolist()
-        unknown_wind = "its wind is not known far enough"
+        of_open = [_UNDECIDED if known else _UNKNOWN_WIND for known in wind_known]
         return tuple(
-            reason or ("" if not is_open else _UNDECIDED if is_known else unknown_wind)
-            for reason, is_open, is_known in zip(self.reasons, undecided, wind_known, strict=True)
+            reason or (open_reason if is_open else "")
+            for reason, is_open, open_reason in zip(self.reasons, undecided, of_open, strict=True)
         )
 
     @property

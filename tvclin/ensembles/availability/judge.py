@@ -270,12 +270,13 @@ class Judge:
     def _bounds_of_unknown(
         self, winds: SoundingWinds, within: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
-        """Return bounds of required deflections [rad], and whether they need no unknown wind.
+        """Return bounds of required deflections [rad], and whether unknown winds leave them alike.
 
         The bounds are the lower, the upper, and the lowest limit with which a flight may survive.
-        All are ``(a, n)``, a azimuths and n winds. Where a sounding has no levels the wind is calm,
-        and strong (the strongest that counts), and bounds cover both; if both agree, none of the
-        unknown wind is needed. `within`: heights [m] between which winds are judged, ``(n, 2)``.
+        All are ``(a, n)``, a azimuths and n winds. In gaps and beyond its levels a sounding is
+        taken as calm, and as the strongest wind that counts; the bounds cover both. Where both
+        require the same the unknown wind does not matter, and counts as known. `within`: heights
+        [m] between which winds are judged, ``(n, 2)``.
         """
         lower, upper, lowest = self._bounds(winds, within)
         wind_known = np.ones(lower.shape, dtype=bool)

@@ -249,10 +249,9 @@ class PlaneMarch:
         return np.where(calm[:, np.newaxis], 0.0, speeds)
 
     def flights(self, winds: LineWinds) -> SteppedWinds:
-        """Return winds and the calm after them over the finer steps of flights.
+        """Return winds and the calm after them over the finer steps of flights, with the equations.
 
-        `encountered` are the times [s], wind angles [rad] and ratios of the dynamic pressure to the
-        nominal one over these steps; `onset` is where each wind begins, in steps.
+        Each wind begins at its onset, counted in these steps.
         """
         steps, equations = self._flight_steps
         _, even_equations = self._steps

@@ -356,8 +356,8 @@ def _work(
             evaluate(campaign, 0, 1)
     # ranges of chunks after which convergence is checked, if it ends the campaign
     ends = [0, *checkpoints(campaign.chunks)] if campaign.until is not None else [0, len(chunks)]
-    for first, end in pairwise(ends):
-        group = chunks[first:end]
+    for start, end in pairwise(ends):
+        group = chunks[start:end]
         unfinished = []
         for k in group:
             if flaw(folder, manifest, k) is None:

@@ -284,20 +284,23 @@ def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     fates = _fates(fly_together(flights, np.arange(len(flights)), *limits))
     survived = fates.pop("flight_survived")
     diverged = np.maximum.reduceat(survived == 0.0, starts)
-    known = np.where(_wind_unknown(campaign, batch), np.nan, np.minimum.reduceat(survived, starts))
+    known = np.where(
+        _wind_unknown(campaign, campaign.along.span, batch),
+        np.nan,
+        np.minimum.reduceat(survived, starts),
+    )
     return {"flight_survived": np.where(diverged, 0.0, known)} | {
         name: np.maximum.reduceat(values, starts) for name, values in fates.items()
     }
 
 
-def _wind_unknown(campaign: Campaign, batch: Batch) -> BoolArray | bool:
+def _wind_unknown(campaign: Campaign, span: tuple[float, float], batch: Batch) -> BoolArray | bool:
     """Return whether the soundings of n cases are not known over the whole flight, ``(n,)``.
 
-    False for other winds, which are known.
+    `span`: first and last flight time [s]. False for other winds, which are known.
     """
-    if not isinstance(campaign.wind, SoundingEnsemble) or campaign.along is None:
+    if not isinstance(campaign.wind, SoundingEnsemble):
         return False
-    span = campaign.along.span
     unknown = [bool(unknown_between(wind, *span)) for wind in campaign.wind.soundings]
     return np.array(unknown)[np.asarray(batch.values.get("wind", 0), dtype=int)]
 

@@ -58,14 +58,22 @@ _CAUSES = {"lost": "is lost", "rings": "rings near rest", UNDECIDED: "neither lo
 
 
 class LostFlightError(InputError):
-    """Error of a deflection limit with which the flight is lost before anything changes.
+    """Error of a deflection limit [rad] with which the flight is lost before anything changes.
 
-    `limit`: the deflection limit [rad]. `needs`: what the unchanged flight needs, as "1.5 deg".
+    Its arguments are the limit, and what the unchanged flight needs in words, as "1.5 deg" or "more
+    than 1.5 deg".
     """
 
-    def __init__(self, limit: float, needs: str) -> None:
-        self.sentence = f"the unchanged flight needs {needs}"
-        super().__init__(
+    @property
+    def sentence(self) -> str:
+        """What the unchanged flight needs, as a sentence."""
+        _limit, needs = self.args
+        return f"the unchanged flight needs {needs}"
+
+    def __str__(self) -> str:
+        """Return the message, which names the argument `limit`."""
+        limit, needs = self.args
+        return (
             "limit must be one with which the unchanged flight survives: this needs"
             f" {needs}; got {np.degrees(limit):.4g} deg"
         )

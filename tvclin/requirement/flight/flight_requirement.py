@@ -198,8 +198,11 @@ class FlightMode:
         # the fastest mode by itself, whose pole does not matter
         single = UnstableModes(np.flatnonzero(reverses), np.ones(costates.shape[:2]), costates)
         several = unstable_modes_of(nominal[:, -1, 2, :, :order])
-        constant = np.flatnonzero(~_reverses(reach, absolute_reach))  # in sign after the wind
-        modes = single, *(modes.of(constant) for modes in several)
+        constant = ~_reverses(reach, absolute_reach)  # winds after which p.b keeps its sign
+        modes = [single]
+        for each in several:  # positions stay those in the batch of winds
+            which = constant[each.cases]
+            modes.append(UnstableModes(each.cases[which], each.poles[which], each.costates[which]))
         return Equations(
             nominal=nominal,
             slopes=E_slopes.reshape(*times.shape, 2, order, columns),

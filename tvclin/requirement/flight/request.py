@@ -210,7 +210,7 @@ class SizingRequest:
     source : str
         Name of the vehicle or file of the flight, for messages; empty without a name.
     another : str
-        Name of the study's vehicle, for messages, where the flight is of another vehicle.
+        Name of the study's vehicle, where the flight is of another or has another number, named.
     pulse : bool
         Whether the wind of the case counts, with its peak at each flight time.
     others : tuple of ShapedWind

@@ -382,10 +382,10 @@ def _plane_sizing(
     messages, arises = _messages(inputs.times, needs), {}  # arises: flight time of a requirement
     if varying is not False:
         try:
-            begins, ends = zip(
+            firsts, lasts = zip(
                 schedule.span, *(w.span for row in placed for w in row if not w.calm), strict=True
             )
-            mode = FlightMode(schedule, model, plane, span=(min(begins), max(ends)))
+            mode = FlightMode(schedule, model, plane, span=(min(firsts), max(lasts)))
             along = _along(mode, placed, bands, count_need)
             required |= _varying(_columns(along, bands))
             arises = _arising_times(placed, along, bands)

@@ -401,14 +401,20 @@ def _repeated_notes(sizing: Sizing) -> Iterator[str]:
     band = Requirement(dead_band=sizing.dead_bands[0], varying=True)
     if band not in sizing.required or sizing.times.size < _MIN_REPEATED:
         return
-    arises = sizing.arising(band)
-    for wind, values, arising in zip(sizing.winds, sizing.required[band].T, arises, strict=True):
+    order = np.argsort(sizing.times)
+    # soundings with a gust or a window: winds placed about the flight time
+    placed = np.isnan(sizing.arising(band)) & np.isfinite(sizing.known_times).any(axis=1)
+    for j in np.flatnonzero(placed):
+        wind, values = sizing.winds[j], sizing.required[band][order, j]
+        # zero, infinite and unknown requirements, as different numbers, are runs of their own
+        counts = np.isfinite(values) & (values > 0.0)
+        values = np.where(counts, values, -np.arange(1.0, values.size + 1.0))
         # index of the run of equal values to which each flight time belongs
-        runs = np.cumsum(np.append(0, np.abs(np.diff(values)) > _REPEATED_TOLERANCE * values[:-1]))
+        steps = np.abs(np.diff(values)) > _REPEATED_TOLERANCE * np.abs(values[:-1])
+        runs = np.cumsum(np.append(0, steps))
         longest = np.flatnonzero(runs == np.argmax(np.bincount(runs)))
-        known = np.isnan(arising) and np.all(values[longest] > 0.0)
-        if known and longest.size >= _MIN_REPEATED:
-            first, last = sizing.times[longest[[0, -1]]].tolist()
+        if longest.size >= _MIN_REPEATED:
+            first, last = sizing.times[order][longest[[0, -1]]].tolist()
             yield (
                 f"{wind}: {band} is the same from {first:.6g} to {last:.6g} s, set by wind that"
                 " blows away from these flight times"
