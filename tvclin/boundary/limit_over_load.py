@@ -312,10 +312,10 @@ class LoadLimits:
 
     @cached_property
     def _minimum_load(self) -> tuple[float, float]:
-        """Minimum load [rad] of controls on successively finer nodes, and its lower bound [rad].
+        """Minimum load |alpha + M delta| [rad] of any control, as computed, and its lower bound.
 
-        The line below all peaks of a program, peak >= bound - slope load, gives the lower bound,
-        for no peak is above `_MAX_DEFLECTION`. Of five programs each has finer nodes.
+        Each of five programs has finer nodes in time. By duality it proves that every control has
+        peak >= bound - slope load: no peak is above `_MAX_DEFLECTION`, which bounds the load.
         """
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf

@@ -271,8 +271,9 @@ class RateTradeOff(TradeOff):
     def verdict(self) -> str:
         """Verdict in words: NOT SUFFICIENT below a lower bound, NOT KNOWN beyond the linear range.
 
-        Empty for a point above the bound, which may still be too small for a control, and for none.
-        A point that is sufficient with the wind known is below the bound without a forecast alone.
+        Empty without limits of a nozzle, and for limits above the bound, which may still be too
+        small for a control. The text names the bound without a forecast if the limits are
+        sufficient with the wind known.
         """
         if self.beyond_linear:
             return f"{sufficiency(None)}: {self.beyond_linear}"

@@ -389,8 +389,8 @@ class ClusterEngine:
     deflection: complex = 0.0
 
     def __post_init__(self) -> None:
-        """Check all attributes, and set the numbers to complex or float."""
-        for name in ("at", "deflection"):
+        """Check place, deflection, thrust share, limit shape and state; set numbers to one type."""
+        for name in ("at", "deflection"):  # vectors pitch + j yaw
             array = vectors(name, getattr(self, name))
             if array.ndim or abs(array) > 1e9:
                 raise errors.InputError(

@@ -242,7 +242,8 @@ class Case:
     def autopilot(self) -> Autopilot:
         """The autopilot, designed on the rigid plant; `InputError` where its gains cannot be.
 
-        With a `controller`, a state space in place of gains, it is a `SystemAutopilot` of that.
+        With a `controller`, a state space in place of gains, it is a `SystemAutopilot` of that,
+        with the filters, `chains`, and the delays and sensors of the specification.
         """
         design = self.autopilot_design
         if self.controller is not None:

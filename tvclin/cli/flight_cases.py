@@ -111,7 +111,8 @@ class Compared:
     def _range_notes(self) -> Iterator[str]:
         """Yield a note for each flight shown that leaves the range of its model in the wind.
 
-        That is a largest attitude [rad], one for the flight and one for its comparison.
+        The flight and its comparison have a largest attitude [rad] each, `ranges`, and a flag of
+        leaving it, `ended`. `columns`: names of those shown, the flight alone or both.
         """
         outcomes = zip(self.columns, self.flight.ranges, self.flight.ended, strict=False)
         for name, limit, ended in outcomes:

@@ -165,12 +165,13 @@ class WindOptions(PulseOptions):
     def soundings_along(self, source: str) -> "dict[str, SoundingRequest]":
         """Return the soundings of --winds, a file or a folder, for a whole flight, by name.
 
-        `source`: file of the case, with keys of soundings. `InputError` for options of a pulse.
+        `source`: file of the case, whose keys of soundings say how they are read. `InputError` for
+        options of a pulse.
         """
         self._check_no_pulse()
         reading = SoundingReading.of(source_tables(source), Path(source).parent)
-        options = FlightOptions(**(vars(self) | {"winds": [self.winds]}))
-        return options.soundings(reading)
+        flight_options = FlightOptions(**(vars(self) | {"winds": [self.winds]}))
+        return flight_options.soundings(reading)
 
     def _check_no_pulse(self) -> None:
         """Raise `InputError` for options of a pulse beside a sounding."""

@@ -218,8 +218,8 @@ class Plant(WithCoefficients):
     def with_effectiveness(self, factor: ArrayLike) -> Plant:
         """Return the plant with control moment and control force multiplied by `factor`.
 
-        Both are proportional to mu_delta, since the deflection turns the path by b1/B. `InputError`
-        for a factor that is not positive.
+        Only mu_delta is multiplied: the plant has the force T by d = T/(m V_n) = (b1 - C1) mu_delta
+        /mu_alpha, which is proportional to it. `InputError` for a factor that is not positive.
         """
         c, multiple = self.coefficients, positive("factor", factor)
         with np.errstate(over="ignore"):  # an overflow is refused below

@@ -64,8 +64,8 @@ _ORDINATES = {
 }
 _STYLES = QUANTITIES | {_TRIM: {"color": INK, "ls": "--", "lw": 1.4}}
 _STEP = {name: _STYLES[name] for name in ("attitude", "deflection")}
-_BESIDE, _LONGER = 601, 1.6
-"""Points beside trim, and how long they go on, over the duration of the wind."""
+_COMPARISON_POINTS, _SPAN_OVER_DURATION = 601, 1.6
+"""Points of a comparison with trim, and its time span over the duration of the wind."""
 _AUTOPILOT, _IDEAL = "autopilot", "ideal trim"
 _COMPARED: dict[str, Style] = {
     _AUTOPILOT: {"color": WARM, "ls": "-", "lw": 2.2},
@@ -241,7 +241,8 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     if not c.margins.stable:
         raise InputError(f"there is nothing to compare: {c.margins.reason}")
     start, end = float(c.wind.onset), float(c.wind.end)
-    times = _times(start, start + _LONGER * (end - start), c.wind, _BESIDE)
+    stop = start + _SPAN_OVER_DURATION * (end - start)
+    times = _times(start, stop, c.wind, _COMPARISON_POINTS)
     # without samples, as the peaks of the comparison
     answer = c.autopilot.continuous.wind_response(c.plant, c.wind)
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))

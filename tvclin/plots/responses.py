@@ -147,7 +147,7 @@ def response_chart(
     title : str
         Title of the figure.
     limit : float, optional
-        Deflection limit [rad]; of curves those that they hold count.
+        Deflection limit [rad] of a `TimeResponseData`; curves have their own limits.
     across : int
         Panels in one row.
     """

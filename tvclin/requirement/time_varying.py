@@ -400,6 +400,7 @@ def _of_flights(
     unstable component.
     """
     equations = winds.equations
+    # whether flights decide each requirement, and the lowest limits [rad] that they try
     flown, lowest = decided_by_flights(equations, trim_and_demand, limit)
     finite = np.isfinite(trim_and_demand.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
     required = np.maximum(limit, minimum)
@@ -419,7 +420,7 @@ def _of_flights(
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
         required[which] = flights.select(which).requirement(low[which], high[which])
         stable = equations.nominal[:, -1, -1, 1, 0] < 0.0  # mu_alpha at the end of the last step
-        never = which[(np.isinf(required) & stable)[which]]
+        never = which[(np.isinf(required) & stable)[which]]  # no limit is sufficient
         if never.size and wind_times.shape != times.shape:  # again without the calm
             flights = SteppedWinds(motion.at_steps(wind_times), wind_times, *wind_and_ratio)
             required[never] = flights.select(never).requirement(low[never], high[never])

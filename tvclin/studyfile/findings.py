@@ -135,14 +135,17 @@ class Findings:
 
     @property
     def autopilot_requirement(self) -> AutopilotRequirement | None:
-        """The autopilot requirement; None where it is not flown."""
+        """Minimum limits with which the autopilot survives the wind; None where it is not flown.
+
+        They are at nominal dynamic pressure, `stop`, and at the pressure at a head wind's peak.
+        """
         from tvclin.requirement.autopilot_requirement import AutopilotRequirement, counts_head
 
         if self.stop is None:
             return None
-        head = None if self.head is None else self.head.stop
+        in_head_wind = None if self.head is None else self.head.stop
         counts, ratio = counts_head(self.study), self.study.plane_ratio
-        return AutopilotRequirement(self.stop, head, head_counts=counts, plane_ratio=ratio)
+        return AutopilotRequirement(self.stop, in_head_wind, head_counts=counts, plane_ratio=ratio)
 
     @property
     def autopilot_survives(self) -> float:

@@ -125,7 +125,8 @@ def with_settings(source: str, settings: Iterable[tuple[str, str]]) -> str:
 def quantity_name(key: str) -> str:
     """Return the name of a key with its table, without its row and its unit.
 
-    As wind.peak of wind.2.peak_deg; of a filter autopilot.filter. An unknown key is unchanged.
+    The key wind.2.peak_deg has wind.peak, and all keys of a filter, as autopilot.filter.1.kind,
+    have autopilot.filter. An unknown key is unchanged.
     """
     parts = key.split(".")
     table = _ALL_TABLES.get(parts[0])

@@ -122,7 +122,10 @@ class History(Record, ABC):
             integral = algebra.remaining_integral(self.pieces, s)
 
         def at(t: ArrayLike) -> AnyArray:
-            """Return the remaining integrals from the times `t` [s] on, ``(batch, times)``."""
+            """Return the remaining integrals of `s` from the times `t` [s] on, ``(batch, times)``.
+
+            `integral`: function from times, in one axis, to them.
+            """
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):
                 values = _finite_values(integral(times.ravel()), s)

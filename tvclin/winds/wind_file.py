@@ -103,7 +103,10 @@ def _shaped_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _gust_as_wind(document: Mapping[str, Any]) -> ShapedWind:
-    """Return the [gust] of a study file, `document`, as a wind of the shape one-minus-cosine."""
+    """Return the [gust] of a study file, `document`, as a wind of the shape one-minus-cosine.
+
+    `InputError` for a plateau or a time of the peak, which a gust has only on top of a wind.
+    """
     values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
     for name in ("plateau", "peak_time"):
         if name in values:

@@ -219,7 +219,7 @@ class _Matrix:
         """Return the fields of a single structure that are numbers; None for several in one."""
         if math.prod(self.shape) != 1:
             return None
-        # letters of each name, filled with zeros, and all names in a row
+        # the elements are the length of a name, all names, filled with zeros, and a matrix of each
         length, names = self.elements.complete(), self.elements.text()
         if len(length) != 1 or not length[0] or len(names) % length[0]:
             raise _DamagedError

@@ -383,9 +383,11 @@ class LoadProgram:
 
 
 def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
-    """Return the complex `prices` of the k modes of a `case` at the onset, from real ones.
+    """Return the complex prices of the k modes of a `case`, multipliers of their states, ``(k,)``.
 
-    An unstable pair has two real numbers; stable modes have none, and zero is returned for them.
+    `prices`: multipliers of the real conditions at the onset: one of a real unstable mode, and of a
+    pair of the real part x and the imaginary part y, whose sum is Re((p1 - j p2) (x + j y)). Stable
+    modes have no condition, and zero.
     """
     values, row = np.zeros(case.poles.size, dtype=complex), 0
     for i in np.flatnonzero(case.unstable):

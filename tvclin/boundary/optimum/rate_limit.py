@@ -371,18 +371,19 @@ def _refined(
 
 
 def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> FloatArray:
-    """Return nodes [s], even in e^(-p u/4) for every pole p, and the switches without a rate limit.
+    """Return nodes [s] after the start, close where e^(-p u) falls, of every pole p, and switches.
 
-    `constraints`: conditions with the poles. `switches`: times [s] at which the deflection without
-    a rate limit switches. `steps`: about the number of nodes.
+    Of an oscillating pole even nodes are added. `constraints`: conditions, one for each unstable
+    pole, with its decay Re p. `switches`: times u [s] at which the deflection without a rate limit
+    switches. `steps`: about the number of nodes.
     """
     last = min(constraints.horizon, _SPAN_OVER_TIME_CONSTANT / constraints.decays.min())
-    share = max(steps // constraints.poles.size, 8)
+    nodes_per_pole = max(steps // constraints.poles.size, 8)
     parts = [np.array([0.0, last]), switches[switches < last]]
     for pole in constraints.poles:
-        parts.append(decay_spaced_times(np.real(pole), last, share))
+        parts.append(decay_spaced_times(np.real(pole), last, nodes_per_pole))
         if np.imag(pole):
-            parts.append(np.linspace(0.0, last, share))
+            parts.append(np.linspace(0.0, last, nodes_per_pole))
     gap = 1e-9 / np.abs(constraints.poles).max()  # [s]: nodes nearer than that are one
     return separate_nodes(np.minimum(np.concatenate(parts), last), gap)
 

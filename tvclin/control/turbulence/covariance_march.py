@@ -300,6 +300,7 @@ def march(
 ) -> Moments:
     """Return mean and covariance of the states of a loop at times [s], from the first on.
 
+    Transition matrices are kept between some times, `chosen`, for the covariance of two times.
     `loop`: constant or varying. `times`: rising, of `march_times`. `wind`: known wind [rad], to
     which the mean is the response; without it the mean is zero. `start`: covariance at the first
     time, after its sample, ``(states, states)``; by default that of a vehicle at rest and a

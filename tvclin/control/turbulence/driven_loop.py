@@ -147,9 +147,9 @@ class LoadSlopes(Record):
     bandwidth: float | None = field(default=None, metadata=spec("natural frequency"))
 
     def __post_init__(self) -> None:
-        """Check the bandwidth, and that dynamic pressure and slopes are finite and broadcast.
+        """Check the bandwidth, and the slopes of all loads: finite, of shapes that broadcast.
 
-        These may be arrays along a flight, and are set to numbers or arrays.
+        The slopes are dynamic pressure and moments, numbers or arrays ``(n,)`` along a flight.
         """
         shapes = {}
         for name in _SLOPES:

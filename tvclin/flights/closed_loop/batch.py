@@ -354,19 +354,19 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
 
 
 def _steps(batch: Batch, plant: LinearSystem, terms: int) -> Steps:
-    """Return the transition matrices over a sample of the p vehicles of a batch of flights.
+    """Return the transition matrices over the parts of a sample of the p vehicles of a batch.
 
-    A sample has a part before and a part after the arrival of a delayed command. `plant`: their
-    plants with lateral sensors, ``(p,)``. `terms`: number of coefficients of a wind's polynomial.
-    With the nozzle within its limits a part has one matrix of plant and nozzle, `moving`; where it
-    is limited, `plant` alone is driven by a deflection that is a straight line.
+    The parts are before and after the arrival of a delayed command. `plant`: plants of the vehicles
+    with lateral sensors, ``(p,)``. `terms`: number of coefficients of a wind's polynomial. Matrices
+    of plant and actuator serve while the nozzle is within its limits; at a limit `plant` alone is
+    driven by a deflection that is a straight line.
     """
     hardware, shape = batch.hardware, batch.vehicles
     length, delay = (spread_to(a, shape) for a in (hardware.length, hardware.delay))
-    nozzle = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
-    moving = nozzle.cases(np.arange(length.size), shape)
+    with_actuator = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
+    with_actuator = with_actuator.cases(np.arange(length.size), shape)  # batch axis (p,)
     timing = Timing.of(hardware, shape, length, delay)
-    return steps_of(with_wind(moving, terms), with_ramp(plant), plant, timing, terms)
+    return steps_of(with_wind(with_actuator, terms), with_ramp(plant), plant, timing, terms)
 
 
 class Timing(NamedTuple):

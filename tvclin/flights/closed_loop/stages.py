@@ -545,11 +545,10 @@ class Stages:
     def _cases(self, batch: Batch) -> Cases:
         """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
 
-        `batch`: result of `Stages.batch`. There is a vehicle, a law and perhaps a memory for each
-        sample: a flight has the indices of its first one, and `stages` is the number of those that
-        follow. It ends at its last sample (`finish`), without waiting for an outcome, and has no
-        noise (`sequence`). `ends` and `settling`: samples up to the end of the wind, and for which
-        a flight must be settled.
+        `batch`: result of `Stages.batch`, with a vehicle and a law for each sample, the end of each
+        flight included: a flight has the index of its first sample and counts on over its `stages`;
+        so for states of the law (`memory`) if their matrices vary. It ends at its last sample
+        (`finish`), with no further `waiting`; `sequence` is the only one, without noise.
         """
         count, (vehicle, wind) = batch.shape[0], batch.indices
         flight, (ends, settling) = self.flight_of_wind[wind], self._judged

@@ -139,9 +139,9 @@ def _encountered(
 ) -> list[WindAlong]:
     """Return a placed wind as the flight of a sizing encounters it, by possible directions.
 
-    `plane`: plane of its angle. `signs`: directions of a pulse, or "frozen" for the nominal dynamic
-    pressure; a sounding has a direction of its own. `NotKnownError` for a wind that is calm or not
-    known.
+    `plane`: plane of its angle. `signs`: directions of a pulse, "head", "tail" or None for a cross
+    wind, or "frozen" for the nominal dynamic pressure; a sounding, of one sign or both, has its own
+    direction. `NotKnownError` for a wind that is calm or not known.
     """
     if not placed.known:
         raise errors.NotKnownError(placed.why or "the wind is not known")

@@ -158,10 +158,10 @@ class FlightWinds:
         return encountered
 
     def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
-        """Return the wind of a sounding over flight time, with the gust of the case.
+        """Return the wind angle of attack [rad] in a sounding over flight time, with the gust.
 
-        A history of wind angles of attack [rad] in the plane of the case, or of both planes.
-        `name`: name of the sounding, for messages.
+        It is in the plane of the case, or in both; about a flight time only the `window` [s] of the
+        record counts. `name`: name of the sounding, for messages.
         """
         with errors.naming(name):
             return fly_through(

@@ -268,6 +268,8 @@ class Sizing(Tabled):
     def not_sized(self, name: Requirement | str) -> tuple[str, ...]:
         """Return the intervals in which a requirement is not known in every wind, in words.
 
+        Last are the `gaps` of soundings.
+
         Raises
         ------
         InputError
