@@ -527,12 +527,9 @@ class _Case:
     def _decided_by_one_pole(self, d: float, rate: float) -> bool:
         """Return whether the other unstable pole q does not raise a deflection `d` [rad].
 
-        `d` is what the fastest pole p requires at the rate limit `rate` [rad/s]. The condition of q
-        is satisfied by a motion to -d at a time t, after which the fast pole counts e^(-p t). With
-        f(x) = (1 - e^-x)/x, the rate v that is reached, the acceleration limit c and the demand d2
-        of q,
-
-            (v/q) f(q v/c) (1 - e^(-q d/v) - e^(-q t) (1 - e^(-2 q d/v))) = d2.
+        `d`: what the fastest pole p requires at the rate limit `rate` [rad/s]. It is sufficient for
+        q if a second motion, from d to -d from a time t on, satisfies the condition of q, and t is
+        so late that the weight e^(-p t) of this motion in the condition of p is negligible.
         """
         poles, demands, c = self.constraints.poles, self.constraints.demands, self.acceleration
         if poles.size == 1:
@@ -541,11 +538,13 @@ class _Case:
             return False
         p, q = poles
         v = min(rate, float(np.sqrt(c * d)))  # reached in a motion by d that also comes to rest
+        # condition of q, solved for e^(-q t): q times its demand = (v/q) f(q v/c) (1 - e^(-q d/v)
+        # - e^(-q t) (1 - e^(-2 q d/v))), with f(x) = (1 - e^-x)/x and the acceleration limit c
         worth = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)  # (v/q) f(q v/c)
-        demand = q * demands[1] * np.sign(demands[0])
-        later = (-np.expm1(-q * d / v) - demand / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
-        # t is after the first motion, and so late that e^(-p t) does not count for the fast pole
-        return bool(0.0 <= later <= np.exp(-q * (d / v + v / c)) and later ** (p / q) < _NEGLIGIBLE)
+        demand = q * demands[1] * np.sign(demands[0])  # [rad], positive if towards d
+        decay = (-np.expm1(-q * d / v) - demand / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
+        after_first_motion = 0.0 <= decay <= np.exp(-q * (d / v + v / c))
+        return bool(after_first_motion and decay ** (p / q) < _NEGLIGIBLE)  # e^(-p t)
 
 
 def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: float) -> float:

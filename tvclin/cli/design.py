@@ -323,7 +323,7 @@ def design(
     with waiting("seeking gains"):
         sought = least.minimum(case)
         loop = (
-            specified_autopilot(case, case.history, case.held_to)
+            specified_autopilot(case, case.history, criteria=case.held_to)
             if sought is None
             else sought.autopilot
         )

@@ -246,7 +246,7 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
     `times`: times of the flight [s], ``(n,)``.
     """
     case = linear.plan
-    autopilot = specified_autopilot(case, case.history, case.held_to)
+    autopilot = specified_autopilot(case, case.history, criteria=case.held_to)
     compared = compare_with_trim(case.plant, autopilot, case.history)
     # without a limit shape the requirement is that of this plane alone
     single_plane_case = replace(case, nozzle=replace(case.nozzle, limit_shape=None))

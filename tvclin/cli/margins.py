@@ -314,7 +314,7 @@ def margins(
         only_with("--limit-deg", **vars(winds))
         questions += ["margins without a wind"]
     note_omissions(case, "margins", *questions)
-    autopilot = specified_autopilot(case, case.history, case.held_to)
+    autopilot = specified_autopilot(case, case.history, criteria=case.held_to)
     loop = JudgedMargins.of(autopilot, case.plant, case.held_to)
     in_wind = _flown(case, autopilot) if flown and loop.whole.stable else None
     result = _Answer(case, loop, winds.name(case), loop.detuned if detuned else None, in_wind)

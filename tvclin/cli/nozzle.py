@@ -253,7 +253,7 @@ def over_rate(
     first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
     rates = _RequiredRates(theory, autopilot_rate, REQUIRED if limit is None else "limit")
     further += [table for duty in flown for table in duty.tables()]
-    judged = _judged(case, trade_off, required)
+    judged = _judged(case, trade_off, required)  # empty where the limit may be sufficient
     limited = limit is not None or rate_limit is not None
     of_laws = {"laws": laws} if laws else {}
     return TradeOffAnswer(

@@ -385,8 +385,8 @@ def _record(problem: GainProblem, point: FloatArray, deflections: FloatArray) ->
     """Return the record of a row of gains with its margins, active constraints and notes.
 
     `point`: the gains in the unit box of the problem, ``(axes,)``. `deflections`: required
-    deflection in each wind [rad], ``(winds,)``. Gains for flown limits are checked with more sudden
-    ends of the winds than the search had (`many_stops`).
+    deflection in each wind [rad], ``(winds,)``. Where these come from flights with a limit
+    (`problem.limits`), `many_stops` is their largest with more sudden ends than the search had.
     """
     autopilot = problem.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(problem.plant))

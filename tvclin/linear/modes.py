@@ -406,5 +406,6 @@ def _low_order_terms(numerator: FloatArray, history: History) -> tuple[FloatArra
     remainder = replace(pieces, coefficients=np.where(constant, 0.0, pieces.coefficients))
     slope = numerator[..., -2] if numerator.shape[-1] > 1 else 0.0
     with np.errstate(invalid="ignore"):  # a history without a final value
+        # the constant acts from the last knot on, the final value from t = 0 on
         area = Piecewise(remainder).laplace(0.0) - final * pieces.knots[..., -1]
         return numerator[..., -1] * final, numerator[..., -1] * area + slope * final

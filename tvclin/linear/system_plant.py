@@ -408,12 +408,12 @@ class SystemPlant(Plant):
         return at_poles[..., 0], at_poles[..., 1], np.ones_like(poles)
 
     def low_order_terms(self) -> list[FloatArray]:
-        """Return the last coefficients of D, N_deflection and N_wind of the attitude, ``(..., 2)``.
+        """Return the coefficients of s and 1, ``(..., 2)``, of D, N_deflection and N_wind.
 
-        D is the denominator, N the numerators, up to a factor: D is one, or s with a pole at zero,
-        or zero with several. They are the series in s of the sum of residue/(s - pole) and the
-        direct term: the poles at zero give residue/s, each other pole -residue/pole - s
-        residue/pole^2. A pole at zero counts only where its residue is not zero.
+        D is the denominator of the attitude, N its numerators, up to a factor: D is one, or s with
+        a pole at zero, or zero with several. N/D is the series in s of the sum of residue/(s -
+        pole) and the direct term: the poles at zero give residue/s, each other pole -residue/pole -
+        s residue/pole^2. A pole at zero counts only where its residue is not zero.
         """
         residues = self._attitude_residues[..., :2]  # at n poles, from deflection and wind
         poles = self.poles[..., np.newaxis]

@@ -90,16 +90,16 @@ def stability(loop: AnyLoop) -> Stability:
     tolerance = _AXIS_TOLERANCE * np.abs(poles).max(axis=-1, keepdims=True)
     unstable = np.sum(np.real(poles) > tolerance, axis=-1)
     on_axis = np.abs(np.real(poles)) <= tolerance
-    at_zero = np.any(on_axis & (np.abs(poles) <= tolerance), axis=-1)
+    at_origin = np.any(on_axis & (np.abs(poles) <= tolerance), axis=-1)
     # whether |L| falls at each gain crossover, where poles cross to the right
     frequencies, to_right = loop.crossovers(1.0)
     frequencies = _polished_gain_crossover(loop, frequencies)
     N, D = loop.undelayed(frequencies)
     with np.errstate(invalid="ignore"):
-        phase = np.angle(-N / D) % _FULL_TURN
-        on_axis_at_zero = (phase < _PHASE_ROUNDING) | (phase > _FULL_TURN - _PHASE_ROUNDING)
+        phase = np.angle(-N / D) % _FULL_TURN  # lag of a delay that brings L to -1
+        starts_on_axis = (phase < _PHASE_ROUNDING) | (phase > _FULL_TURN - _PHASE_ROUNDING)
         phase = np.where(
-            on_axis_at_zero, _initial_phase_to_axis(poles, tolerance, frequencies, to_right), phase
+            starts_on_axis, _initial_phase_to_axis(poles, tolerance, frequencies, to_right), phase
         )
         # number of times, with a fraction, that poles have crossed at a frequency up to the delay
         crossings_due = (frequencies * loop.delay[..., np.newaxis] - phase) / _FULL_TURN
@@ -115,7 +115,7 @@ def stability(loop: AnyLoop) -> Stability:
     return Stability(
         poles=poles,
         unstable_poles=np.asarray(count),
-        marginal=np.asarray(at_zero | at_axis),
+        marginal=np.asarray(at_origin | at_axis),
         crossovers=frequencies,
     )
 

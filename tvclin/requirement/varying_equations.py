@@ -138,13 +138,13 @@ def minimum_peaks(
     steps: VaryingSteps,
     end: FloatArray,
     path: FloatArray,
-    heights: FloatArray | None = None,
+    limits: FloatArray | None = None,
 ) -> FloatArray:
     """Return the minimum peaks [rad] of all control from the begin of steps on, ``(n, S + 1)``.
 
     They are the smallest peaks of any deflection that brings all unstable modes to zero in the
-    end, from a vehicle in trim at the begin of a step. Zero where they are not known: without
-    `heights` from the second step on.
+    end, from a vehicle in trim at the begin of a step. Zero where they are not computed: without
+    `limits` from the second step on.
 
     Parameters
     ----------
@@ -157,21 +157,23 @@ def minimum_peaks(
     path : ndarray
         States beyond attitude and rate that trim has led to at the ends of steps,
         ``(n, S + 1, m - 2)``.
-    heights : ndarray, optional
-        Trim over K [rad] at the ends of steps, ``(n, S + 1)``. Minimum peaks are computed from the
-        last step backwards, up to the first that is above it; not where it is NaN.
+    limits : ndarray, optional
+        Trim over the dead band K [rad], the limit with which trim ends there, at the begin and the
+        ends of steps, ``(n, S + 1)``. Peaks are computed from the last step backwards, down to the
+        first that exceeds its limit; not where it is NaN.
     """
-    column = steps.equations[:, -1, 2, :, -2]  # b at the end of the last step
+    # b, the column before the last of [A b w], at the end of the last step
+    column = steps.equations[:, -1, 2, :, -2]
     column = np.broadcast_to(column, (len(end), column.shape[-1]))
     # costates p, control reaches and poles, and integrals of p.b over cells of the time after it
     costates, reaches, poles, cells = modes.after(end, column)
     peaks = np.zeros(path.shape[:2])
-    if heights is None:
-        heights = np.full(peaks.shape, np.nan)
-    arrays = costates, reaches, poles, cells, path, heights
+    if limits is None:
+        limits = np.full(peaks.shape, np.nan)
+    arrays = costates, reaches, poles, cells, path, limits
     count = costates.shape[1]  # modes; then numbers of operations, for the estimates of seconds
     work = peaks.size * count
-    duals = len(path) + np.sum(~np.isnan(heights))
+    duals = len(path) + np.sum(~np.isnan(limits))
     sums = duals * marches.TANGENTS ** (count - 1) * float(path.shape[1] + cells.shape[-1])
     run(
         marches.minimum_peaks,

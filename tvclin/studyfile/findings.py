@@ -476,7 +476,7 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     """
     from tvclin.design.gain_designs import specified_autopilot
 
-    return plan.plant, specified_autopilot(plan, study.history, plan.held_to)
+    return plan.plant, specified_autopilot(plan, study.history, criteria=plan.held_to)
 
 
 def _turbulence(

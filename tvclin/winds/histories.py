@@ -349,7 +349,7 @@ class History(Record, ABC):
         times = np.broadcast_to(times, (*self.batch, times.shape[-1]))
         last = times.shape[-1] - 1
         peak_time = np.take_along_axis(times, at, axis=-1)
-        # Rates that are alike repeat a time.
+        # sample times repeat where pieces decay at equal rates
         tolerance = _RELATIVE_ROUNDING * (times[..., -1:] - times[..., :1])
         # indices of the next distinct sample on either side of the largest
         before = np.sum(times < peak_time - tolerance, axis=-1, keepdims=True) - 1

@@ -152,7 +152,7 @@ def switch_times_of(cells: FloatArray, levels: FloatArray) -> tuple[FloatArray, 
             continue
         # an end of the window counts as a level of the opposite sign
         sign_before, sign_after = sign_before or -sign_after, sign_after or -sign_before
-        start, stop = cells[before + 1], min(cells[after], cells[-1] if after else np.inf)
+        start, stop = cells[before + 1], cells[after]  # of the uncertain cells [s]
         if after > before + 1:
             uncertain.extend(range(before + 1, after))
         if np.isinf(stop) or not sign_before:

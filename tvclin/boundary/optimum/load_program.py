@@ -313,15 +313,15 @@ class LoadProgram:
     def _proof(
         self, weights: FloatArray, prices: FloatArray, rate_prices: FloatArray | None
     ) -> tuple[float, float]:
-        """Return the lower bound [rad] of the peak at zero load, and its decrease per load.
+        """Return `bound` and `slope` of a `Solution`, by duality from the prices of its program.
 
-        By duality: (weighted load of the reference - A)/N, with A and N of `LoadWeights.proof`.
-        `weights`: prices of the load rows, its weights at the nodes, or with a load of the
-        deflection itself (M) at both ends of each cell. `prices`: prices of the unstable modes.
-        `rate_prices`: prices of the rate limit in each cell, or None.
+        The bound is (weighted load of the reference - A)/N with A and N of `LoadWeights.proof`, the
+        slope the sum of the weights' sizes over N. `weights`: prices of the load rows, at the
+        nodes; where the deflection itself adds to the load (M), at both ends of each cell.
+        `prices`: of the unstable modes. `rate_prices`: of the rate limit by cell, or None.
         """
         case, n = self.case, self.widths.size
-        if case.ratio == 0.0:
+        if case.ratio == 0.0:  # M
             _, high, low = self._loads
             node_weights, density_ends = np.append(0.0, weights), np.zeros((2, n))
             # at each node the load without the variables on the side that the weight's sign bounds

@@ -210,7 +210,9 @@ class Judge:
                 if not selected.size:
                     continue
                 cases, selection = batch[selected], (winds.select(selected), within[selected], a)
-                marched = list(self._marched(*selection))  # indices of planes, and winds in them
+                # indices of planes, and winds in them; where a wind is not known it is calm,
+                # and must be survived as the strongest one too
+                marched = list(self._marched(*selection))
                 if not wind_known:
                     marched += self._marched(*selection, strong=True)
                 survive[a, cases] = self._survive(marched, float(limit[a, 0]))

@@ -292,10 +292,11 @@ class MarchedWinds:
         return flights.survive(limit[cases], self.bounds.upper[cases], self.bounds.lower[cases])
 
     def requirement(self, cases: IndexArray) -> FloatArray:
-        """Return the required deflections [rad] of winds, by flights where these decide.
+        """Return the required deflections [rad] of winds, ``(cases,)``.
 
-        They decide where a limit below the upper bound may survive or not; else the lower bound is
-        required. `cases`: indices of the winds, in whose order the answers are.
+        The lower bound, unless some limit from `lowest` (below which no flight survives) to `upper`
+        must be flown: then the smallest limit that survives, up to `highest`, which the law never
+        reaches. `cases`: indices of the winds.
         """
         b, required = self.bounds, self.bounds.lower[cases]
         undecided = np.flatnonzero((b.upper > b.lowest)[cases])

@@ -131,7 +131,7 @@ class Replay:
 
     @property
     def _required_encountered(self) -> float:
-        """Required deflection [rad] at `dead_band` and the dynamic pressure encountered, a size.
+        """Required deflection [rad], positive, at `dead_band` and encountered dynamic pressure.
 
         It is the column of the campaign, if there is one. Else it is computed where both planes are
         judged, and in a single plane it is `required`, at nominal dynamic pressure.
@@ -139,6 +139,7 @@ class Replay:
         column = self.outputs.get(required_name(self.dead_band))
         if column is not None or self.campaign.planes != BOTH:
             return abs(self.required) if column is None else column
+        # this case alone; the default law, since the output "flight" alone may have another
         campaign = replace(self.campaign, outputs=("required",), law=AUTOPILOT)
         return float(evaluate(campaign, self.case, 1)[required_name(self.dead_band)][0])
 

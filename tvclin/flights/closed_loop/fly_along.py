@@ -460,13 +460,13 @@ def with_outputs(
     ratio = along.wind.pressure(inside)  # q/q_n encountered in the wind
     plants = FlownFlights([along]).plants_at(inside, np.zeros(inside.size, np.int64), ratio)
     within = np.minimum(inside, flight.span[1])
-    gust = np.asarray(along.wind.history(times), float)
+    wind_angle = np.asarray(along.wind.history(times), float)
     states, deflection = rows[:, : len(plants.states)], rows[:, -1]
     _, _, C, D = plants.matrices()
-    drives = np.column_stack([deflection, gust])  # the first two inputs of the plants
+    drives = np.column_stack([deflection, wind_angle])  # the first two inputs of the plants
     values = (C @ states[..., np.newaxis])[..., 0] + (D[..., :2] @ drives[..., np.newaxis])[..., 0]
     by_name = dict(zip(plants.outputs, values.T, strict=True))
-    outputs: dict[str, FloatArray] = {"wind": gust}
+    outputs: dict[str, FloatArray] = {"wind": wind_angle}
     for name in ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack"):
         if name in by_name:
             outputs[name] = by_name[name]

@@ -109,12 +109,12 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         outcome=np.zeros(m, int),
         shown=[],
     )
-    steppers, at_limit = [Stepper(f) for f in pair], np.ones(m)
+    # the demand over the limit at which a plane commands its whole limit: at the limit alone
+    steppers, full_command_ratio = [Stepper(f) for f in pair], np.ones(m)
     last = int(max(f.cases.finish.max(initial=-1) for f in pair))
     for f in pair:
         f.cases.finish[:] = last
-    # state 0 is the attitude; the deflection is the state after those of the plant. `at_limit`: the
-    # law of a plane commands its whole limit at the limit alone, so that it adds no switch
+    # state 0 is the attitude; the deflection is the state after those of the plant
     for k in range(last + 1):
         active = np.flatnonzero(outcomes.ended < 0)
         with np.errstate(all="ignore"):  # a lost flight may leave all numbers
@@ -137,10 +137,11 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         measured = _vectors(pair, lambda f: f.now.measured)[active]
         states = _vectors(pair, lambda f: f.now.states)[active, :order]
         demand, command = law.demand(measured, states, limit[active]), np.zeros(m, complex)
-        command[active], at_stop = law.limited(demand, limit[active])
-        outcomes.saturated[active] += at_stop
+        command[active], saturated = law.limited(demand, limit[active])
+        outcomes.saturated[active] += saturated
         for stepper, component in zip(steppers, (command.real, command.imag), strict=True):
-            stepper.advance(k, np.ascontiguousarray(component), at_limit, at_limit)
+            demands = np.ascontiguousarray(component)
+            stepper.advance(k, demands, full_command_ratio, full_command_ratio)
     return outcomes
 
 

@@ -41,8 +41,8 @@ class PlacedWind:
 
     An unknown wind is represented by a calm; `why` is the reason, unless a sounding ends. `fixed`
     says whether all flight times have this same wind, such as a sounding without a window.
-    `two_sided` is a wind of both signs, of which `history` has the larger one; `speeds` the wind of
-    both planes, for a sounding.
+    `two_sided` is the wind where its angles change sign: `history` then has the angles of the
+    larger sign alone. `speeds`: the wind of both planes, for a sounding.
     """
 
     history: History

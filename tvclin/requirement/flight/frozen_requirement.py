@@ -65,7 +65,7 @@ def frozen_requirements(
     Winds whose pieces have the same shape are computed together, and yielded in their order.
     `plants`: a plant, or one for each wind. With the law "bound" `no_forecast` is the bound of
     all laws without a forecast, with "flown" the smallest limit that the recoverable-attitude law
-    survives with. `two_sided`: for each wind the same with the angles of both signs, or None.
+    survives with. `two_sided`: of a wind reduced to angles of one sign the entire wind, or None.
     """
     groups: dict[Any, list[int]] = {}
     for i, (wind, both_signs) in enumerate(zip(winds, two_sided, strict=True)):
@@ -90,7 +90,7 @@ def _required_together(
     """Return required deflections [rad] ``(k,)`` and statuses of some winds, by their index.
 
     `plants`: batch ``(n,)``, frozen, of `winds` with the same number of pieces. `dead_bands`: K,
-    ``(k,)``. `two_sided`: histories of winds of both signs; None for others. `cases`: indices of
+    ``(k,)``. `two_sided`: as in `frozen_requirements`. `cases`: indices of
     the winds. NaN, and the message, where `InputError` is raised: a batch in which one wind is
     refused is computed again, wind by wind.
     """

@@ -103,7 +103,7 @@ class FlightWinds:
 
     @property
     def by_name(self) -> dict[str, WindOf]:
-        """Winds by name, for `size`: pulses at any flight time, soundings over the flight time."""
+        """Winds for `size` by name: of pulses functions of the vehicle, of soundings over time."""
         sign = self.case.sign
         if sign in SIGNS and any(pulse.heading is not None for pulse in self.pulses):
             raise errors.InputError(

@@ -521,8 +521,8 @@ def _along(
     `mode`: unstable mode along the flight. `placed`: winds by flight time. `bands`: dead bands K.
     `count_need`: function that returns a requirement unchanged and reports progress.
     """
-    # winds that are the same at several flight times are computed once: the history of one sign
-    # and, where there is one, that of both signs, by their bytes
+    # winds that are the same at several flight times are computed once: the history with angles of
+    # one sign and, where the angles change sign, that with both signs, by their bytes
     winds: dict[bytes, list[NominalWind]] = {}
 
     def key_of(wind: PlacedWind) -> bytes:
@@ -541,6 +541,7 @@ def _along(
 
     keys = [[None if wind.calm else key_of(wind) for wind in row] for row in placed]
     distinct = list(winds.values())
+    # a wind with K < 1 by its angles of one sign; with K = 1 by both, the last history
     one_sign, both_signs = [first for first, *_ in distinct], [last for *_, last in distinct]
     requirements = flight_requirements(mode, one_sign, bands, both_signs)
     along = dict(zip(winds, requirements, strict=True))  # requirements by key, see `key_of`

@@ -201,9 +201,10 @@ def by_wind(sizing: Sizing, counted: Requirement) -> Table:
 def wind_columns_table(sizing: Sizing, counted: Requirement) -> list[Table]:
     """Return the table of one requirement by flight time, with a column for each wind.
 
-    `counted`: the requirement. Winds that are fixed in the flight are omitted; no table for fewer
-    than two other winds.
+    `counted`: the requirement. Winds that are the same at all flight times are omitted; no table
+    for fewer than two other winds.
     """
+    # winds that are placed at each flight time have no single time at which they arise
     several = np.flatnonzero(np.isnan(sizing.arising(counted))).tolist()
     if len(several) < 2:
         return []
