@@ -159,7 +159,7 @@ def _from_rows(
         raise InputError(f"{source}: structure must be one table; got {', '.join(structures)}")
     if common is not None and not common.is_rigid and not structures:
         raise InputError(f"{source}: [engine] and [sensors] need the table structure of the modes")
-    rows, notes = _moving(rows)
+    rows, notes = _moving(rows)  # without the rows at rest before the flight
     notes = (*notes, *_pressure_notes(rows))
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")

@@ -484,8 +484,10 @@ class AutopilotFlight:
     def _verdict(self) -> str:
         """The verdict on the limit, and the outcome of its flight.
 
-        Not known has its reason. A limit that is sufficient in this wind is compared with `worst`,
-        the wind of the same shape and peak whose duration requires most; None if it is not sought.
+        NOT KNOWN has its reason: the requirement is known at nominal dynamic pressure (`NOMINAL`),
+        and in a head wind (`head`) or not; else the wind is beyond the linear range, or unknown. A
+        sufficient limit is compared with the deflection in the wind `worst`, of the same shape and
+        peak and of the duration that requires most; None if it is not sought.
         """
         word, worst, limit = sufficiency(self.sufficient), self.worst, self.limit or 0.0
         if self.sufficient is None:

@@ -217,7 +217,11 @@ class TradeOffAnswer:
     chart: "Callable[[Curves], ControlPlot]"
 
     def verdict(self, required: CaseRequirement | None) -> str:
-        """Return the verdict on the limit and flights, required deflection and rate, and bound."""
+        """Return the verdict: why the limit is not sufficient, the outcomes of flights, and bounds.
+
+        The bounds, within the linear range alone, are the study's `required` deflection, the
+        required rate, and the lower bound of the trade-off.
+        """
         trade_off, numbers = self.trade_off, [""]
         if not trade_off.beyond_linear:
             study = "" if required is None else required.see_study

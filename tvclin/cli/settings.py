@@ -169,9 +169,9 @@ def _edited(source: str | None, settings: Sequence[tuple[str, str]]) -> str:
 
 
 def _with_azimuth(source: str, settings: Sequence[tuple[str, str]], azimuth: float) -> str:
-    """Return the source with the direction of flight [deg] of its winds, with the keys set.
+    """Return the source with keys set: `settings` of --set, and the azimuth of winds that need one.
 
-    They are soundings and winds with a direction.
+    Such winds are soundings and winds with a direction. `azimuth`: direction of flight [deg].
     """
     from tvclin.studyfile.settings import with_settings
     from tvclin.vehicle.vehicle_file import source_tables

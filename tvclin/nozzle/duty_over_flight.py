@@ -347,12 +347,12 @@ class _Conditions:
         return {k: self.limit * trim / total for k, trim in trims.items()} if total else trims
 
     def _flown(self, point: DutyPoint, vehicle: Vehicle, wind: History, interval: Any) -> DutyPoint:
-        """Return a point with its flight, and the duty in an interval of it.
+        """Return a point with status and duty of its flight, in an interval of it.
 
-        With noise of the sensor its share is taken from 7.5 to 15 time constants of the fast mode
-        after the wind, where noise alone moves the nozzle. `point`: time, wind, plane and limit.
-        `vehicle`: frozen, in the air of that wind. `wind`: wind angle [rad]. `interval`: begin and
-        end [s]; None: the entire flight.
+        Travel and energy that sensor noise takes, `noise_rate` per second, are taken from 7.5 to 15
+        time constants of the fast mode after the wind, where noise alone moves the nozzle, and are
+        not in `without_noise`. `point`: time, wind, plane and limit. `vehicle`: frozen, in the air
+        of that wind. `wind`: wind angle [rad]. `interval`: begin and end [s]; None: all.
         """
         case = Case(
             vehicle=vehicle.replace(structure=None) if vehicle.structure else vehicle,

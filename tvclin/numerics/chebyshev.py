@@ -60,7 +60,9 @@ def smooth_values(
     # runs: successive times of one interval; pending: those that may be interpolated
     edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), times.size]
     runs = [slice(*ends) for ends in pairwise(edges) if ends[0] < ends[1]]
-    pending = [run for run in runs if interval[run.start] >= 0 and _worth(run, _FIRST_DEGREE)]
+    pending = [
+        run for run in runs if interval[run.start] >= 0 and _has_times_for(run, _FIRST_DEGREE)
+    ]
     interpolated = np.zeros(times.size, bool)
     for run in pending:
         interpolated[run] = True
@@ -91,7 +93,7 @@ def smooth_values(
         _write(flat, columns, times, runs, points[smooth, 0], changes[smooth])
         rest: list[tuple[slice, FloatArray]] = []
         for run, of_run, accepted in zip(pending, points, agree, strict=True):
-            if not accepted and degree < _MAX_DEGREE and _worth(run, degree):
+            if not accepted and degree < _MAX_DEGREE and _has_times_for(run, degree):
                 rest.append((run, of_run))
             elif not accepted:
                 remaining.append(run)
@@ -252,7 +254,7 @@ def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
     return np.concatenate([*rows], axis=1)
 
 
-def _worth(run: slice, degree: int) -> bool:
+def _has_times_for(run: slice, degree: int) -> bool:
     """Return whether an interval has enough times for interpolants of a degree and of its double.
 
     With fewer, the function is better evaluated at the times themselves. `run`: slice of these

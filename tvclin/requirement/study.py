@@ -403,8 +403,8 @@ class Study(CaseRequirement, Shown):
         # wind angle [rad] at the survivable peak, with a heading that of the vector of both planes
         survives = (judged["survivable_peak"] or 0.0) / need.judged_peak * need.wind_angle
         free, nominal = bounds["forecast_free"].get(plant.model), need.at_nominal_pressure
-        trusted = forecast_trusted(required, K, free), undamped(plant, history, required, K)
-        directed = (
+        theory_notes = forecast_trusted(required, K, free), undamped(plant, history, required, K)
+        path_notes = (
             along_the_path(need),
             direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
         )
@@ -412,10 +412,10 @@ class Study(CaseRequirement, Shown):
             linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
             slow_or_paired(plant, history, required, K),
             unstable_modes_omitted(plant, modes),
-            *(() if need.beyond_linear else trusted),
+            *(() if need.beyond_linear else theory_notes),
             vehicle_warnings(case.vehicle),
             gust_placed(pulse_of(case), need.wind_in_plane),
-            *(() if need.beyond_linear else directed),
+            *(() if need.beyond_linear else path_notes),
         ]
         trim = abs(float(coefficients.B * history.peak))
         if need.beyond_linear:

@@ -152,16 +152,16 @@ class Findings:
         """Largest factor on the wind that the autopilot survives, flown with the deflection limit.
 
         At nominal dynamic pressure a flight scales with its wind, so that the factor is the limit
-        over the requirement [rad]; a larger head wind raises the pressure too, and the factor is
-        searched for. NaN where it is not flown.
+        over the requirement [rad], in `stop`; a larger head wind raises the pressure too, and
+        the factor is searched for. NaN where it is not flown.
         """
         limit, stop, s = self.study.limit, self.stop, self.study
         if stop is None or limit is None:
             return np.nan
         limit /= s.plane_ratio  # of this plane
-        head = None if self.head is None else self.head.stop
-        required = abs(float((head or stop).deflection))
-        if head is None or not np.isfinite(required):
+        in_head_wind = None if self.head is None else self.head.stop
+        required = abs(float((in_head_wind or stop).deflection))
+        if in_head_wind is None or not np.isfinite(required):
             return limit / required if required else np.inf
         loop = self.flexible or self.comparison
         assert loop is not None

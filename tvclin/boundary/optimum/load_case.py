@@ -236,11 +236,11 @@ class LoadWeights:
     def proof(self, reference: FloatArray, rate_prices: FloatArray | None) -> tuple[float, float]:
         """Return the numbers A and N of the lower bound (weighted load - A)/N of the peak.
 
-        A = INT h delta_0 dt + rate INT |K| dt [rad] and N = INT |h - K'| dt, h [1/s] being the
-        weight of a deflection at a time in the weighted load, delta_0 the reference deflection, and
-        K the multiplier of the rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``.
-        `rate_prices`: prices of the rate limit in the cells, ``(n,)``, or None: K' = h where a
-        price is not zero.
+        A = INT h delta_0 dt + rate INT |K| dt [rad] and N = INT |h - K'| dt. INT h eta dt is the
+        weighted sum of the loads of a deflection eta, delta_0 the reference deflection, and K the
+        multiplier of the rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``.
+        `rate_prices`: prices of the rate limit in the cells, ``(n,)``, or None without one; K' = h
+        where a price is not zero.
         """
         n = self.widths.size
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))  # h at both ends of each cell
@@ -264,10 +264,11 @@ class LoadWeights:
 
     @cached_property
     def _before(self) -> ComplexArray:
-        """Weights of the load before each node, decayed with the unstable modes, ``(n + 1, k)``.
+        """Factor of each unstable mode's state at a node in the weighted load, ``(n + 1, k)``.
 
-        A deflection counts in the load before it by unstable modes, whose states are summed
-        backward in time from the end, and in the load after it by stable modes.
+        The state is a sum backward in time from the end, so that a deflection changes the load
+        before it: the factor adds up the weights of the load there, decayed to the node, and the
+        price of the mode at the first node. Of the k columns only unstable modes are used.
         """
         start, end = self.density_ends  # backward in time the near end of a cell is its end
         return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)

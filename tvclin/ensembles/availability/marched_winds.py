@@ -129,11 +129,11 @@ class PlaneMarch:
     def bounds(self, winds: LineWinds) -> Bounds:
         """Return bounds of the required deflections [rad] of n winds.
 
-        They are equal unless flights of the trim law decide (`time_varying.decided_by_flights`),
-        which are not flown here. Only where the law may diverge without any limit is it flown so,
-        and the upper bound is infinite where it does. With a quick path (b1 negative, or a second
-        pole comparable with the fastest) or a moment of changing sign no multiple of the limit
-        bounds what a flight requires.
+        Both bounds are max(min(trim, demand)), unless flights of the trim law would decide
+        (`time_varying.decided_by_flights`). These are not flown here, but for one with the limit
+        `highest`, which the law never reaches, where the law may diverge with it: the upper bound
+        is infinite then. With a quick path (b1 negative, or a second pole comparable with the
+        fastest) or a moment of changing sign no multiple of the limit bounds the requirement.
         """
         stepped = self.stepped(winds)
         equations, march = stepped.equations, stepped.curves()  # trim and demand over time

@@ -75,7 +75,8 @@ class FlownFlight:
     def vehicle_breaks(self) -> FloatArray:
         """Times [s], the ends included, between which vehicle and autopilot are smooth.
 
-        Those of a schedule on another variable than time are not known, and not among them.
+        They are the times of the schedule, of the structure, also in the flight that schedules the
+        gains, and of the gains, if scheduled on time: on another variable theirs are not known.
         """
         times = [self.flight.times]
         for flight in (self.flight, self.scheduled):

@@ -74,7 +74,7 @@ class TrimThenHold:
         """
         self._trim, self._B = trim, float(trim.plant.coefficients.B)
         self._limit, self._level = limit, max(dead_band, ONSET_OVER_LIMIT) * limit
-        self._at_onset = dead_band == 0.0
+        self._by_wind_alone = dead_band == 0.0
         self._wind, self._times, self._step = wind, times, step
         self._means = step_means(wind, times, step).tolist()
         self._ends = wind(times + 0.5 * step).tolist()
@@ -86,12 +86,12 @@ class TrimThenHold:
         The trim deflection is B times the angle of attack, which is an angle without the wind minus
         the wind, at the end of the step (`_ends`). From where it reaches K times the limit on
         (`_level`), the limit is constant (`_constant`), with the sign of trim. The measured angle
-        of attack has the mean wind of the step in it (`_means`).
+        of attack has the mean wind of the step in it (`_means`). With K = 0 the wind alone counts.
         """
         if self._constant is not None:
             return self._constant
         demand = float(self._trim.demand(measured, _NOTHING, self._limit))
-        without_wind = 0.0 if self._at_onset else demand / self._B + self._means[k]
+        without_wind = 0.0 if self._by_wind_alone else demand / self._B + self._means[k]
         if abs(self._B * (without_wind - self._ends[k])) < self._level:
             return demand
         return self._switching_mean(k, without_wind)

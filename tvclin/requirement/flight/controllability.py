@@ -42,8 +42,8 @@ class ControllabilityRatio(Shown):
     Attributes
     ----------
     takes : DeflectionTotal
-        What takes deflection at the flight time that is worst: trim of the wind in place of what
-        the wind needs.
+        Contributions to the deflection at the worst flight time, with the trim of the wind in place
+        of the deflection that the wind requires, and the flight times that are not known.
     limit : float
         Available deflection [rad].
     """
@@ -64,7 +64,10 @@ class ControllabilityRatio(Shown):
     @property
     @derived()
     def words(self) -> str:
-        """The ratio against its goal and its limit, in words."""
+        """The ratio against its goal and its limit, in words.
+
+        Where winds are not known at some flight times, `not_sized`, a good ratio says so.
+        """
         defined = " where the winds are known" if self.takes.not_sized else ""
         if self.ratio > GOAL:
             return f"above the goal of {GOAL:g}{defined}"
