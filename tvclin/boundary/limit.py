@@ -137,11 +137,10 @@ class ExitProblem:
 
     @property
     def _filtering(self) -> int:
-        """Factor on the kernel's time for trim that is filtered wind; one where trim is the wind.
+        """Factor on the estimated time of the kernel; one where trim is proportional to the wind.
 
-        Trim is then -B times the wind, and its filter has coefficients of zero (columns 2 on of the
-        parameters). Else the factor is larger for complex coefficients of the wind than for real
-        ones.
+        The filter from wind to trim then has coefficients of zero (columns 2 on of the parameters).
+        Else the factor is larger for a wind with complex coefficients than with real ones.
         """
         (_, coefficients, _), _, numbers = self._arrays
         return switches.FILTERED[coefficients.dtype.kind] if np.any(numbers[:, 2:]) else 1

@@ -427,7 +427,8 @@ class LoadLimits:
     def required_load(self, limit: float | None) -> float:
         """Return the minimum load [rad] of a control within a limit [rad]; inf if there is none.
 
-        None is no limit. Between computed controls their mixtures have it.
+        None is no limit. The load is the angle of attack, or alpha + M delta. Of computed controls
+        and linear mixtures of two it is the smallest load whose peak is within the limit.
         """
         if limit is not None and limit < self.minimum_deflection:
             return np.inf

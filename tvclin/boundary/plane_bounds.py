@@ -362,8 +362,8 @@ def plane_optimum(
     Returns
     -------
     PlaneOptimum
-        From the onset of the wind on. With a certificate: of planes that differ and of models with
-        two unstable poles the gap is that of cells, some 1e-6.
+        From the onset of the wind on. With a certificate: for planes that differ, and models with
+        two unstable poles, its gap is of a deflection that is constant in cells, about 1e-6.
 
     Raises
     ------

@@ -227,9 +227,9 @@ def _requirement_after_trim(
             return rectangle
         return minimum_in_planes(pair, limit_shape, t).peak
 
-    limit = max(
-        limit, trimmed_minimum(heights.max() / K * (1.0 + _RELATIVE_TOLERANCE), limit, False)
-    )
+    # limits above this one have no exit of the dead band: m(L) is then that of the wind's end
+    without_exit = heights.max() / K * (1.0 + _RELATIVE_TOLERANCE)
+    limit = max(limit, trimmed_minimum(without_exit, limit, False))
     for solved in (False, True):
         while limit > minimum:
             lowest = max(K * limit, minimum)

@@ -234,7 +234,10 @@ class FlownLoad(Shown):
 
     @property
     def words(self) -> str:
-        """Outcome of the flight and its largest load, in words."""
+        """Outcome of the flight and its largest load, an angle of attack, in words.
+
+        A bending moment counts as the angle of attack that causes it without deflection.
+        """
         outcome = f"{self.law} {OUTCOME_WORDS[self.status]} with this limit"
         if not np.isfinite(self.load):
             return outcome

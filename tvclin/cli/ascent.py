@@ -282,7 +282,8 @@ class _Answer:
         """Print the verdict, the deflections by flight time and notes, and with `more` the rest.
 
         The first table is of the deflections that the flown autopilot uses, if it was flown, else
-        of the requirements; `counted` is the requirement that enters the budget.
+        of the requirements; `counted` is the requirement that enters the budget, `ratio` the
+        controllability ratio, None if it is not computed.
         """
         sizing, flights, ratio = self.sizing, self.flights, self.ratio
         name = sizing.schedule.vehicle.name or self.source

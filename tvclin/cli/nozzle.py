@@ -175,7 +175,8 @@ def _case_in_a_wind(
     """Return the plan of a study with the case of a trade-off in one wind.
 
     `vehicle`: name of a vehicle, or of a vehicle or study file. `over`: rate or load. `time`:
-    flight time [s] of a schedule. `InputError` for options that only `--over flight` takes.
+    flight time [s] of a schedule. `options`: with the `names` of laws to fly, or all `laws`.
+    `InputError` for options that only `--over flight` takes.
     """
     question = "nozzle" if over == RATE else f"nozzle --over {over}"
     options.times.only_with(f"--over {FLIGHT}")
@@ -187,7 +188,7 @@ def _case_in_a_wind(
         *(options.limits, options.load, options.model, options.planes, options.dead_band),
         options.gains,
     )
-    changes = [group.over for group in groups]
+    changes = [group.over for group in groups]  # functions that put options into a plan
     case = case_of(vehicle, *changes, wind=winds.over, questions=(question,), time=time)
     if not options.names and not options.laws:
         note_omissions(case, f"{question} without --law")

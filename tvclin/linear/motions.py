@@ -57,11 +57,13 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
     rows = _AmplitudeRows(shape, bodies=2 + len(structure.bending), tanks=len(structure.slosh))
     mass, damping, stiffness = _mass_damping_stiffness(vehicle, structure, rows)
-    deflection, engine_forces = _engine_forces(vehicle, structure, rows, mass)
+    per_deflection, per_acceleration = _engine_forces(vehicle, structure, rows, mass)
     modes = structure.bending
     displacements = rows.of(1.0, vehicle.aerodynamic_arm, *(b.pressure_displacement for b in modes))
-    aerodynamic_forces = rows.of(vehicle.normal_force_slope)[..., :1] * displacements
-    forces = [force[..., np.newaxis] for force in (deflection, engine_forces, aerodynamic_forces)]
+    slope = rows.of(vehicle.normal_force_slope)[..., :1]  # N with the batch axes, ``(..., 1)``
+    # forces per deflection, per its second derivative and per angle of attack
+    per_input = (per_deflection, per_acceleration, slope * displacements)
+    forces = [force[..., np.newaxis] for force in per_input]
     scale = _diagonal_scaling(mass)[..., np.newaxis]  # S: (S M S) x = S f, q'' = S x
     right_hand_side = scale * np.concatenate([-stiffness, -damping, *forces], axis=-1)
     accelerations = scale * np.linalg.solve(

@@ -270,7 +270,7 @@ class DutyPoint(Shown):
 
     @property
     def numbers(self) -> dict[str, float]:
-        """Sizes of all numbers by keys with their units, such as "angle_deg"."""
+        """Magnitudes of the minima and of the duty, by keys with units, such as "angle_deg"."""
         numbers = document(self, *_MINIMA)
         if self.duty is not None:
             numbers |= document(self.duty, *_DUTY)

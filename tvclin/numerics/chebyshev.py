@@ -219,6 +219,7 @@ def _converges(values: dict[str, FloatArray], shape: tuple[int, int], axis: int)
     # every second point is one of half the degree, from which those between are interpolated
     starts = np.cumsum([0, *(array.shape[1] for array in arrays[:-1])])
     middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
+    # from the first point, so that a constant is interpolated without rounding
     changes = np.nan_to_num(points[::2] - points[0])
     return bool(_agree(middles @ changes + points[0], points, starts))
 

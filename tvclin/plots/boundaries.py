@@ -104,7 +104,7 @@ def figure_2(
         Abscissas tau beta, ``(n,)``, 0.05 to 20 where not given; K of the triangular winds.
     """
     title = f"Figure 2. Stability boundary {_FIXED}"
-    return _draw_boundaries("figure-2", title, tau_beta, dead_bands, None)
+    return _draw_boundaries("figure-2", title, tau_beta, dead_bands, coefficients=None)
 
 
 def figure_5(

@@ -182,6 +182,7 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     columns, styles = [], dict(_MARGINS)
     for k, trade_off in enumerate(trade_offs):
         label = f"{plural(len(trade_off.gains), 'gain')}, {_MEANS[trade_off.meaning]}"
+        # over trim; `_broken`: NaN in place of infinity, so that the curve has a gap
         columns.append(Column(label, _broken(trade_off.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
     columns += [
@@ -379,7 +380,7 @@ def plane_chart(
 
 
 def study_planes_chart(study: Study) -> ControlPlot:
-    """Draw trim, its mean and the required deflection of a study in pitch and yaw, and the limit.
+    """Draw trim in pitch and yaw, the discounted mean of future trim, and the limit of a study.
 
     Raises
     ------
@@ -387,7 +388,7 @@ def study_planes_chart(study: Study) -> ControlPlot:
         For a study of a wind without direction, and in the same cases as `plane_chart`.
     """
     errors.instance("study", study, Study, "see Study.from_vehicle")
-    if study.slanting is None or study.planes is None:
+    if study.slanting is None or study.planes is None:  # its wind if it has a heading, else None
         raise errors.InputError("study must be of a wind with a direction: give it a heading")
     pitch, yaw = (Plant.from_vehicle(study.vehicle, study.model, plane) for plane in PLANES)
     wind, limit_shape = study.planes.wind, study.planes.limit_shape

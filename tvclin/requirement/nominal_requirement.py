@@ -412,7 +412,8 @@ class KnownWind(Shown):
             columns = np.abs(required.deflection), required.limit, required.governs
             for K, size, ratio, governs in zip(dead_bands, *columns, strict=True):
                 cells = degrees(f"K.{K:g}.deflection", size), number(f"K.{K:g}.limit", ratio)
-                rows.append(((f"K = {K:g}",), *map(minimum_limit, cells), (str(governs),)))
+                finite_or_text = map(minimum_limit, cells)  # "none is sufficient" if infinite
+                rows.append(((f"K = {K:g}",), *finite_or_text, (str(governs),)))
         fraction = np.nan if self.fraction_of_trim is None else self.fraction_of_trim
         minimum = degrees("optimum.peak", self.best.peak), number("optimum.fraction", fraction)
         rows.append(((WIND_KNOWN,), *minimum, (str(Reason.MINIMUM),)))

@@ -25,10 +25,13 @@ from tvclin.winds.wind_angles import (
     doubtfully_linear,
 )
 
+_ASSUMED = "reader"
+"""State of an assumption that nothing here checks: the reader of the page has to judge it."""
+
 
 @dataclass(frozen=True)
 class Assumption:
-    """Assumption of a verdict: whether it holds ("ok"), is doubtful ("doubt"), or is the reader's.
+    """Assumption of a verdict: it holds ("ok"), is doubtful ("doubt"), or is not checked.
 
     `line`: the assumption in a sentence.
     """
@@ -95,7 +98,7 @@ def general_assumptions(findings: Findings) -> Iterator[str]:
 
 
 def _wind(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption that the wind of findings is given, which the "reader" has to judge."""
+    """Yield the assumption that the wind of findings is given, which the reader has to judge."""
     days = "; on how many days of an archive it flies is a question of its own, see below"
     if findings.availability is None:
         days = "; tvclin availability counts the days of an archive of soundings"
@@ -103,7 +106,7 @@ def _wind(findings: Findings) -> Iterator[Assumption]:
         "This wind is given, and not derived from the winds of a site: whether it is the one to"
         f" survive is for the reader to say{days}."
     )
-    yield Assumption("reader", (words,))
+    yield Assumption(_ASSUMED, (words,))
 
 
 def _sign(findings: Findings) -> Iterator[Assumption]:
@@ -160,7 +163,7 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
             "The flight path is held fixed: the vehicle's coefficients do not tell how it drifts"
             " with the wind."
         )
-        yield Assumption("reader", (words,))
+        yield Assumption(_ASSUMED, (words,))
         return
     edge = float(single_pole_validity(s.coefficients))
     if np.isnan(edge):
@@ -168,7 +171,7 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
             "Up to which duration the slow motion of the flight path may be neglected is not"
             " defined: the vehicle has no two real unstable poles."
         )
-        yield Assumption("reader", (words,))
+        yield Assumption(_ASSUMED, (words,))
         return
     tau = significant("validity.duration", float(s.wind.duration), unit="s")
     upto = significant("validity.edge", edge, 3, unit="s")
@@ -192,7 +195,7 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
     if findings.flight is None:
         complete = isinstance(findings.study.vehicle, Vehicle)
         more = "; a flight ([schedule]) would say how much they change" * complete
-        yield Assumption("reader", (f"{still}{more}.",))
+        yield Assumption(_ASSUMED, (f"{still}{more}.",))
         return
     s, total = findings.flight  # sizing, and its worst total
     if total.time is None:
@@ -224,7 +227,7 @@ def _rigid(findings: Findings) -> Iterator[Assumption]:
     """
     if findings.plan.vehicle.structure is None:
         words = "Nothing bends or sloshes: the vehicle file has no bending and no slosh."
-        yield Assumption("reader", (words,))
+        yield Assumption(_ASSUMED, (words,))
 
 
 def _modes(findings: Findings) -> Iterator[Assumption]:
@@ -279,7 +282,7 @@ def _nozzle(findings: Findings) -> Iterator[Assumption]:
         rate_text = (turns, *rate, " in this wind, without a stop.")
     if rate_limit is None:
         words = "The rate of the nozzle has no limit (rate_limit_deg_per_s in [nozzle])."
-        yield Assumption("reader", (words, *rate_text))
+        yield Assumption(_ASSUMED, (words, *rate_text))
     else:
         limit_text = significant("assumptions.rate_limit", np.degrees(rate_limit), unit="deg/s")
         words = "The boundary does not count the rate limit of the nozzle, "

@@ -171,9 +171,9 @@ class Findings:
         def requirement(size: float) -> float:
             """Return the autopilot requirement [rad] in `size` times the head wind.
 
-            The flight is of the plan's own wind, in the frozen dynamic pressure at the peak of the
-            larger one, and its limit scales with the wind. `plane_ratio` [-] is the limit of both
-            planes over the plane's. Infinite where the pressure is beyond what can be computed.
+            The plan's own wind is flown, at the dynamic pressure at the peak of `size` times it; at
+            constant pressure the larger wind requires `size` times its limit. `plane_ratio` [-]:
+            limit of both planes over the plane's. Infinite where the pressure cannot be computed.
             """
             with suppress(InputError):
                 denser = at_peak_pressure(self.plan, s, size)

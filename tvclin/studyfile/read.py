@@ -67,7 +67,7 @@ def load_study(source: str | PathLike[str], time: float | None = None) -> StudyP
     >>> plan.wind.shape, plan.nozzle.limit
     ('triangular', None)
     """
-    document, name = source_tables(source), read_vehicle_text(source)[1]
+    document, (_text, name) = source_tables(source), read_vehicle_text(source)
     if not _is_study(source):
         if time is None:
             return StudyPlan(vehicle=load_any_vehicle(source))
@@ -161,7 +161,7 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
 
     The vehicle stands in [study] or in [campaign]. `InputError` where it is a table of numbers.
     """
-    document, name = source_tables(source), read_vehicle_text(source)[1]
+    document, (_text, name) = source_tables(source), read_vehicle_text(source)
     vehicles = [
         document[table]["vehicle"]
         for table in ("study", "campaign")

@@ -293,13 +293,13 @@ class LoadWeights:
         nodes: FloatArray,
         widths: FloatArray,
     ) -> ComplexArray:
-        """Return for each mode the weights of the load beyond successive nodes, decayed to them.
+        """Return by mode the weights w of the load passed so far, decayed to successive nodes.
 
-        Shape ``(n + 1, k)``. From a node to the next it is w <- decay w + c (weights of the cell
-        and of the next node), c being the share of the mode in the load. `first`: at the first
-        node, ``(k,)``. `near_ends`, `far_ends`: density [1/s] at the end of each cell near the node
-        that is reached, and at the other. `nodes`: weights of those nodes. `widths`: of the cells
-        [s], ``(n,)``.
+        Shape ``(n + 1, k)``; a deflection at a node changes that load. From a node to the next it
+        is w <- decay w + c (weights of the cell and of the next node), c being the share of the
+        mode in the load. `first`: at the first node, ``(k,)``. `near_ends`, `far_ends`: density
+        [1/s] at the end of each cell near the node that is reached, and at the other. `nodes`:
+        weights of those nodes. `widths`: of the cells [s], ``(n,)``.
         """
         decay, start_weights, end_weights = convolution_weights(
             self.case.rates, widths[:, np.newaxis]
@@ -339,8 +339,9 @@ class LoadWeights:
     ) -> float:
         """Return the rate limit times INT |K| dt, and write INT |h - K'| dt on ramps into `size`.
 
-        On a ramp, successive cells in which the rate limit binds, K' is h minus a constant, so that
-        K is zero at both its ends; at the onset, where the deflection is zero, it need not be.
+        h is the weight of a deflection in the load, K the multiplier of the rate limit. On a ramp,
+        successive cells in which that binds, K' is h minus a constant, so that K is zero at both
+        its ends; at the onset, where the deflection is zero, it need not be.
 
         `area`, `first`, `size`: integrals over each cell of h, of h times the time [s] from its
         start, and of |h|, ``(n,)``. `ramp`: whether the rate limit binds in each cell, ``(n,)``.

@@ -75,8 +75,9 @@ class LoadProgram:
     def reference_load(self) -> FloatArray:
         """Load ``alpha + M delta`` [rad] under the reference deflection, ``(n, 9)``.
 
-        In each cell it is taken at nine times, of fractions `_INSIDE` of the cell; the last is just
-        before the next node, where the load may jump.
+        M is `case.ratio`, the bending moment per deflection over that per angle of attack. In each
+        cell the load is taken at nine times, fractions `_INSIDE` of the cell; the last is just
+        before the next node, where it may jump.
         """
         times = self.nodes[:-1, np.newaxis] + self.widths[:, np.newaxis] * _INSIDE
         times[:, -1] = np.nextafter(self.nodes[1:], -np.inf)
@@ -225,8 +226,9 @@ class LoadProgram:
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
         """Return inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
 
-        `aim`: the last variable, minimised, `PEAK` or `LOAD`. `bound`: of the other [rad]. While
-        the load is minimised, it bounds deflections in wide cells (`_static_bounds`).
+        `aim`: the last variable, minimised, `PEAK` or `LOAD`. `bound`: load bound [rad], which
+        counts for `PEAK` alone. A minimised load also bounds deflections in wide cells
+        (`_static_bounds`): a fraction of the load is the largest deflection there.
         """
         from scipy import sparse
 

@@ -395,9 +395,10 @@ def _proved(
     """Return whether the proof of `_is_sufficient` succeeds with one of T = span/p, ``(n,)``.
 
     `poles` s [1/s], `demands` [rad s], the integral of e^(-s t) times the deflection for each:
-    ``(n, 3)``, the real pole p first. `peak`: to be proved sufficient [rad], ``(n,)``. `spans`:
-    tried values of p T. `pair_peaks`: function of poles and demands of
-    complex pairs to bounds of their minimum peaks [rad].
+    ``(n, 3)``, the real pole p first. `peak`: to be proved sufficient [rad], ``(n,)``; it is if the
+    two other poles require no more, from T on, after either of two constant deflections up to T.
+    `spans`: tried values of p T. `pair_peaks`: function of poles and demands of complex pairs to
+    bounds of their minimum peaks [rad].
     """
     p, others = np.real(poles[:, 0]), poles[:, 1:]  # the two others are real, or a pair
     rate, paired = np.real(others), np.imag(others[:, 0]) != 0.0

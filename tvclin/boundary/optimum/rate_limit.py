@@ -105,11 +105,11 @@ class RateProgram:
         return float((violation / (np.abs(self.moments) @ np.abs(values) + np.abs(demands))).max())
 
     def minimum_peak(self) -> tuple[FloatArray, FloatArray] | None:
-        """Return the deflection of minimum peak over `unit` at the nodes, ``(k,)``, and prices.
+        """Return the deflection of minimum peak at the nodes, ``(k,)``, and prices.
 
-        It is zero at the first node, and its values at the others are the first variables of the
-        program. Prices are the multipliers of the conditions, ``(n,)``, the program's last rows,
-        which are divided by `sizes`. None if infeasible.
+        It is normalised by `unit` [rad], zero at the first node, and its values at the others are
+        the first variables of the program. Prices are the multipliers of the conditions, ``(n,)``,
+        the program's last rows, which are divided by `sizes`. None if infeasible.
         """
         result = self._solve(_PEAK)
         if result is None:

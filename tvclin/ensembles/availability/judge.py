@@ -147,6 +147,7 @@ class Judge:
     ) -> Requirements:
         """Return bounds of the required deflections [rad] of n soundings, from trim and demand.
 
+        `lower` and `upper` are these bounds, `lowest` the lowest limit that may survive.
         `progress`: called with the number of finished soundings and of all soundings.
         """
         lower, upper, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)
@@ -357,8 +358,8 @@ class Judge:
     ) -> Iterator[tuple[int, MarchedWinds]]:
         """Iterate over indices of planes, and all winds in the plane that a flight must survive.
 
-        They are the n winds with each sign of growth, gust and unknown wind, and each time of the
-        gust, with bounds of what they require.
+        They are the n winds with bounds of their requirements, for either sign of what is added:
+        the growth of the wind until launch, the gust at each of its times, and unknown wind.
 
         `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: index of the
         azimuth. `strong`: whether a wind that is not known is strong, or calm.

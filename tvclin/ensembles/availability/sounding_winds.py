@@ -402,7 +402,7 @@ class SoundingWinds:
         `strong`, along the entire flight, with two more where the wind becomes unknown; soundings
         with fewer levels repeat heights.
         """
-        counts = np.diff(self.offsets)
+        counts = np.diff(self.offsets)  # levels of each sounding; the last one is repeated
         index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
         levels = self.height[self.offsets[:-1, np.newaxis] + index]
         first, last = path.height[0], path.height[-1]

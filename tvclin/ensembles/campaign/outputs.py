@@ -442,8 +442,8 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     """Return required deflections [rad] at the encountered dynamic pressure, ``(n,)`` by column.
 
     `batch`: n cases of the campaign. `dead_band`: K in [0, 1]. Where both planes are judged there
-    are three columns: for the limit shape, pitch and yaw. Requirements that are zero or infinite at
-    nominal dynamic pressure are so at the encountered one too.
+    are three columns: both planes (the limit of the limit shape), pitch and yaw. Requirements that
+    are zero or infinite at nominal dynamic pressure are so at the encountered one too.
     """
     name, vehicles = required_name(dead_band), batch.vehicle.rigid
     # function from a plane to the requirements there, or to None in a campaign at nominal pressure
@@ -467,6 +467,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
         plane: _or_nominal(at_encountered(plane), np.abs(nominal.separate[plane]))
         for plane in batch.plane_batches
     }
+    # the smallest limit whose shape contains both planes' deflections, of either sign
     combined = rectangle(limit_shape, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
     # where the vector of both planes requires more than the planes by themselves, it is taken to
     # rise from nominal to encountered pressure as that of the plane that rises most

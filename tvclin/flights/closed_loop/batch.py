@@ -387,9 +387,10 @@ class Timing(NamedTuple):
         """Return the timing of the samples of p vehicles.
 
         A delay is whole samples, `late`, and a rest: a command arrives within a sample, which is
-        then the part before the arrival and the part after it. `hardware`: gives the actuators.
-        `shape`: shape of the batch of vehicles. `length`, `delay`: sample periods and computing
-        delays [s], ``(p,)``. `pace` is the bandwidth of a first-order actuator, 1e100 without one.
+        then the part before the arrival and the part after it, divided into `substeps` each.
+        `hardware`: gives the actuators. `shape`: shape of the batch of vehicles. `length`, `delay`:
+        sample periods and computing delays [s], ``(p,)``. `pace` is the bandwidth of a first-order
+        actuator, 1e100 without one.
         """
         late, rest = split_delay(delay, length)  # the part after the arrival is the first one
         parts = [length - rest, rest] if np.any(rest) else [length]

@@ -218,9 +218,9 @@ def sampled_stages(
     """Return the loops of several flights at all samples, from which `Stages` makes matrices.
 
     `flights`: flights with the same model and structure, and the same autopilot but for its gains.
-    `storage`: memory to use again for the large arrays. `surfaces`: interpolants of earlier flights
-    by key, as in `Stages`; new ones are added to it. `InputError` for an autopilot without a sample
-    rate, and as `fly_many`.
+    `storage`: memory to use again for the large arrays. `surfaces`: interpolants of the matrices of
+    earlier flights in time and pressure, as in `Stages`; new ones are added. `InputError` for an
+    autopilot without a sample rate, and as `fly_many`.
     """
     first, together = flights[0], FlownFlights(flights)
     law = first.law

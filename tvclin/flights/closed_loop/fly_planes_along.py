@@ -168,7 +168,7 @@ def _flight_in_planes(
     normals = np.zeros((1 if by_planes else 0, 2))
     if isinstance(shape, PolygonShape) and not by_planes:
         normals = np.column_stack([shape.normals.real, shape.normals.imag])
-    with repeated(SIMILAR_RUNS):
+    with repeated(SIMILAR_RUNS):  # many such flights pay for compiling the kernel
         finish_in_planes(flights[0], flights[1], normals, np.array([limit]))
         for batch, f, inner in zip(batches, flights, separate_limits, strict=True):
             within = f._replace(cases=f.cases._replace(limit=np.array([limit * inner])))
@@ -177,7 +177,7 @@ def _flight_in_planes(
     # the worst of both planes, worst first
     status = next(word for word in (LOST, RINGS, UNDECIDED, SURVIVED) if word in statuses)
     by_plane = {
-        plane: with_outputs(along, *tracked_states(f, limit * plane_limit), status, {})
+        plane: with_outputs(along, *tracked_states(f, limit * plane_limit), status, slopes={})
         for plane, along, f, plane_limit in zip(
             PLANES, pair, flights, shape.plane_limits, strict=True
         )

@@ -273,7 +273,8 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
         The least n is the present delay without the fraction; each further sample turns the phase
         of l by theta.
         """
-        loop = _response(batch.delayed(fraction * h), "gain", 0.0)
+        # of the loop with a factor on the gain, and without a delay of whole samples
+        loop = _response(batch.delayed(fraction * h), "gain", samples=0.0)
         theta = np.array(_roots(lambda a: np.log(np.abs(loop(a))), angles))
         minimum = present - fraction
         phase = np.mod(np.angle(loop(theta)) - minimum * theta, 2.0 * np.pi)

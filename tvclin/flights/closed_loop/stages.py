@@ -172,7 +172,7 @@ class Stages:
             shape=limit.shape,
             until=float(self.times.max()),
             vehicle=vehicle,
-            encountered=which,
+            encountered=which,  # indices of winds
         )
 
     def flights(self, batch: Batch, *, track: bool = False) -> Flights:

@@ -164,7 +164,10 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     mode = 0.0  # 1 or -1 while the full limit is commanded
 
     def command(k: int, measured: Measurement) -> float:
-        """Return the commanded deflection [rad] at step `k`, and update the states of the law."""
+        """Return the commanded deflection [rad] at step `k`, and update `memory` and `mode`.
+
+        They are the states of the law, and the sign of the full limit while that is commanded.
+        """
         nonlocal memory, mode
         if noise is not None:
             measured = measured._replace(attitude_rate=measured.attitude_rate + noise[k])

@@ -547,7 +547,10 @@ def _along(
     along = dict(zip(winds, requirements, strict=True))  # requirements by key, see `key_of`
 
     def requirement_of(wind: PlacedWind, key: bytes | None) -> FlightRequirement:
-        """Return the requirement of a wind by its key; zero in a calm, NaN for an unknown wind."""
+        """Return the requirement of a wind, by its `key` in `along`.
+
+        Without a key it is not computed: zero in a calm, NaN for a wind that is not known.
+        """
         if key is not None:
             return along[key]
         none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)

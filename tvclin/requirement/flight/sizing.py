@@ -228,7 +228,10 @@ class Sizing(Tabled):
 
     @property
     def freezing_error(self) -> dict[Requirement, FloatArray]:
-        """Relative error of frozen requirements, ``(n, m)``; empty without varying parameters."""
+        """Frozen over varying requirement, minus one, in n flight times and m winds, ``(n, m)``.
+
+        By the requirement with frozen parameters; empty if none has been sized with varying ones.
+        """
         pairs = {frozen: replace(frozen, varying=True) for frozen in self.required}
         with np.errstate(invalid="ignore", divide="ignore"):
             return {

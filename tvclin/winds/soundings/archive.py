@@ -97,7 +97,7 @@ class Soundings:
             )
 
     def _checked_offsets(self) -> IntArray:
-        """Return the offsets as a row of integers; `InputError` otherwise."""
+        """Return `offsets`, which bound the levels of each sounding, as a row of integers."""
         offsets = errors.array_of("offsets", self.offsets, "iu", "a row of integers")
         if offsets.ndim != 1 or not offsets.size:
             raise errors.InputError(

@@ -92,6 +92,7 @@ def _station_sounding(text: Text, first: int, end: int) -> SoundingEntry:
     """Return the sounding below a header in the text of a station file.
 
     `first`, `end`: indices of the line of the header, and of the line after the last level.
+    `InputError` for a header out of its columns, and a file of parameters derived from soundings.
     """
     match = _HEADER_LINE.match(text.lines[first])
     if is_derived(text.lines[first]):

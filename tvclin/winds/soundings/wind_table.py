@@ -238,10 +238,10 @@ def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _C
 
 
 def _by_reference(sheet: Sheet, candidates: list[_Column], ground: float | None) -> list[_Column]:
-    """Return the columns of a sheet without heights above the other reference, sea or ground.
+    """Return the columns of a sheet but heights above the unwanted reference, sea or ground.
 
-    `candidates`: columns of heights and winds. `ground`: elevation of the site [m], which says that
-    heights are above the ground; None: above the sea. `InputError` where no height has the wanted
+    `candidates`: columns of heights and winds. `ground`: elevation of the site [m]: heights above
+    the ground are wanted; None: above the sea. `InputError` where no height has the wanted
     reference, or one says that it is above the sea though `ground` is given.
     """
     heights = [column for column in candidates if column.quantity == "height"]
