@@ -135,7 +135,10 @@ class Case:
 
     @cached_property
     def plant(self) -> AnyPlant:
-        """Plant of flights and autopilot: flexible where the vehicle has a structure."""
+        """Plant of flights and autopilot: `plant_system`, a state space, if there is one.
+
+        Else it is the vehicle's, flexible where the vehicle has a structure.
+        """
         from tvclin.linear.flexible import plant_of
 
         plant = plant_of(self.vehicle, self.loop_model, self.plane)

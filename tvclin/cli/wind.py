@@ -72,14 +72,14 @@ class PulseOptions(_Pulse):
         if isinstance(wind, SoundingWind) and all(value is None for value in pulse):
             return plan
         wind = wind if isinstance(wind, ShapedWind) else DEFAULT_WIND
-        lasts = number("--duration", chosen(self.duration, wind.duration), positive, "s")
+        duration = number("--duration", chosen(self.duration, wind.duration), positive, "s")
         peak = wind.peak
         if self.peak_deg is not None:
             peak = float(np.radians(number("--peak-deg", self.peak_deg, nonzero, "deg")))
         wind = replace(
             wind,
             shape=wind.shape if shape is None else one_of("--wind", shape, SHAPES),
-            duration=lasts,
+            duration=duration,
             peak=peak,
         )
         if wind.heading is None and not _has_soundings(plan):

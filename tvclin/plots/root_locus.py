@@ -480,9 +480,10 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     highest = np.array([samples.margins.gain_increase_frequency])  # NaN without this margin
     corners = [*corner_frequencies(samples.loop), *sizes]
     outer = 1.2 * float(np.nanmax([*corners, *highest]))
-    slow = [*np.abs(samples.airframe), *sizes[sizes < 0.25 * outer]]
+    rigid = np.abs(samples.airframe)  # poles of the rigid vehicle
+    slow = [*rigid, *sizes[sizes < 0.25 * outer]]
     if samples.modes:  # closed-loop poles of modes have their own panel
-        slow = [*np.abs(samples.airframe), *highest[np.isfinite(highest)]]
+        slow = [*rigid, *highest[np.isfinite(highest)]]
     inner = 1.5 * float(max(slow, default=outer))
     return [outer, inner] if inner < 0.35 * outer else [outer]
 

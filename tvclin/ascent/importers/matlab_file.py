@@ -157,7 +157,7 @@ class _Elements:
         self.at = end + (0 if kind == _MATRIX else padding)
         return kind, self.data[begin:end]
 
-    def numbers(self) -> AnyArray:
+    def next_numbers(self) -> AnyArray:
         """Return the numbers of the next element, as they are stored."""
         kind, raw = self.next()
         if kind not in _NUMBER_TYPES:
@@ -167,14 +167,14 @@ class _Elements:
             raise _DamagedError
         return np.frombuffer(raw, stored)
 
-    def complete(self) -> list[int]:
+    def next_integers(self) -> list[int]:
         """Return the next element as whole numbers; `_DamagedError` for a negative one."""
-        integers = self.numbers()
+        integers = self.next_numbers()
         if integers.dtype.kind not in "iu" or np.any(integers < 0):
             raise _DamagedError
         return [int(entry) for entry in integers]
 
-    def text(self) -> str:
+    def next_text(self) -> str:
         """Return the next element as a text."""
         kind, raw = self.next()
         if kind not in _TEXT_TYPES:
@@ -196,12 +196,12 @@ class _Matrix:
     def of(cls, data: memoryview, order: str) -> _Matrix:
         """Return the matrix in the bytes of an element; `order`: byte order, "<" or ">"."""
         elements = _Elements(data, order)
-        flags = elements.complete()
+        flags = elements.next_integers()
         if len(flags) != 2:
             raise _DamagedError
         kind = flags[0] & 0xFF  # the class of the matrix is in the lowest byte
-        shape = () if kind == _OPAQUE else tuple(elements.complete())
-        return cls(kind, bool(flags[0] & _COMPLEX), shape, _name(elements.text()), elements)
+        shape = () if kind == _OPAQUE else tuple(elements.next_integers())
+        return cls(kind, bool(flags[0] & _COMPLEX), shape, _name(elements.next_text()), elements)
 
     def numbers(self) -> AnyArray | None:
         """Return its real numbers without axes of length one; None for any other class.
@@ -210,7 +210,7 @@ class _Matrix:
         """
         if self.kind not in _NUMBERS or self.is_complex:
             return None
-        values = self.elements.numbers()
+        values = self.elements.next_numbers()
         if values.size != math.prod(self.shape):
             raise _DamagedError
         return values.reshape([n for n in self.shape if n != 1], order="F")
@@ -220,7 +220,7 @@ class _Matrix:
         if math.prod(self.shape) != 1:
             return None
         # the elements are the length of a name, all names, filled with zeros, and a matrix of each
-        length, names = self.elements.complete(), self.elements.text()
+        length, names = self.elements.next_integers(), self.elements.next_text()
         if len(length) != 1 or not length[0] or len(names) % length[0]:
             raise _DamagedError
         numeric = {}

@@ -232,7 +232,8 @@ def _with_last_switch(window: Window) -> SignedSum | None:
     moments = c.moments(np.concatenate([[0.0], faster.zeros, [end]]))[row]
     last_sign = faster.signs[-1]
     # The switch at t takes 2 last_sign times the integral of e^(-p u) from t to the end off the
-    # moment, which shall be d/L1: that integral is `beyond` = (e^(-p t) - e^(-p end))/p.
+    # moment, which shall be the demand over the norm: that integral is
+    # `beyond` = (e^(-p t) - e^(-p end))/p.
     beyond = 0.5 * last_sign * (moments @ faster.signs - c.demands[row] / faster.norm)
     if not 0.0 < beyond < moments[-1]:
         return None

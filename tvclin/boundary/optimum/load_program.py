@@ -292,13 +292,13 @@ class LoadProgram:
     def _corrected(self, u: FloatArray) -> FloatArray:
         """Return the variables [rad] after the smallest change that satisfies the conditions.
 
-        `u`: variables of the deflection [rad], as the program has them to its tolerance. The
-        conditions are that each unstable mode, decayed to the first node, has the sum zero: the
-        integral of e^(-s t) eta dt, eta being the deflection minus the reference. The least-squares
-        solution of smallest size is added.
+        `u`: deflections at ends of cells or in them [rad], as the program has them to its
+        tolerance. The condition of each unstable mode s is that the integral of e^(-s t) eta dt
+        from the first node on is zero, eta being the deflection minus the reference. The
+        least-squares solution of smallest size is added.
         """
         case = self.case
-        first, last = self._levels
+        first, last = self._levels  # matrices from `u` to the deflection at start and end of cells
         _, near, far = convolution_weights(case.rates, self.widths[:, np.newaxis])
         decayed = np.exp(
             -np.where(case.unstable, case.rates, 0.0) * (self.nodes - self.nodes[0])[:, np.newaxis]
@@ -308,6 +308,7 @@ class LoadProgram:
         # real rows of the unstable modes: 1 + j marks both numbers of a pair
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         start, stop = (case.column(row)[:, unstable].T for row in (start, stop))
+        # rows @ u is the integral of the deflection, by real condition; sizes scale the conditions
         rows, sizes = start @ first + stop @ last, np.abs(start).sum(axis=1) + 1e-300
         lacking = ((start + stop) @ self.reference - rows @ u) / sizes
         return u + np.linalg.lstsq(rows / sizes[:, np.newaxis], lacking, rcond=None)[0]

@@ -120,7 +120,8 @@ def longest_single_pole_duration(
     K1_i = (beta_i + b2)/(beta_i + b1). y rises with the duration from K1_ratio beta1/beta2 to
     K1_ratio beta2/beta1; NaN is returned where it is never 1.
 
-    `beta1`, `beta2`: slow and fast unstable pole [1/s], positive. `K1_ratio`: K1_1/K1_2.
+    `beta1`, `beta2`: slow and fast unstable pole [1/s], positive. `K1_ratio`: K1_1/K1_2, the
+    factors by which the drift multiplies both peaks; 1 without drift.
 
     Examples
     --------
@@ -150,8 +151,9 @@ def duration_without_fast_pole(
 
         1 - e^(-tau beta1/2) = sqrt(beta1/(K1_ratio beta2))
 
-    y is the peak that the slow pole beta1 requires in a triangular wind over the fast pole's, beta2
-    (report, appendix C). Same parameters as `longest_single_pole_duration`; NaN where y is never 1.
+    y is the peak that the slow pole `beta1` [1/s] requires in a triangular wind over the fast
+    pole's, `beta2` (report, appendix C); NaN where y is never 1. `K1_ratio`: factor of the drift
+    on the slow pole's peak over its factor on the other, see `longest_single_pole_duration`.
 
     Examples
     --------

@@ -361,9 +361,10 @@ def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> Flo
 
 
 def _limit(name: str, value: ArrayLike) -> FloatArray:
-    """Return limits [rad, rad/s]; `InputError` for a single one out of range, not for an array.
+    """Return limits [rad] or [rad/s] as an array; `InputError` for a single one out of range.
 
-    `name`: name of the argument, "deflection_limit" or "rate_limit". `value`: its value.
+    Of an array such limits are "no flight", and the others are flown. `name`: name of the argument,
+    "deflection_limit" or "rate_limit". `value`: its value.
     """
     array = errors.numbers(name, value)
     if array.ndim or (name == "rate_limit" and array == np.inf):

@@ -281,8 +281,8 @@ class Stages:
 
         `interval`: number of the interval of each sample in which its vehicle is smooth, ``(n,)``;
         negative for none. `pressure`: q/q_n at the times of `_places`, ``(places, n)``. A run of
-        samples in one interval is interpolated if it is long enough and its interpolant (`surface`)
-        converges; else its matrices are computed.
+        samples in one interval is interpolated if it is long and its interpolant (`_surface`), over
+        time, pressure and its change in a part of a sample, converges; else they are computed.
         """
         edges = [0, *(np.flatnonzero(np.diff(interval)) + 1).tolist(), interval.size]
         exact, pending = np.ones(interval.size, bool), []
@@ -304,7 +304,7 @@ class Stages:
         parts = len(pressure) // 2 - 1  # places: two Gauss points of each part, start, middle
         for run, surface in pending:
             times, at = self.times[run], pressure[:, run]
-            still = np.zeros(times.size)
+            no_change = np.zeros(times.size)
             # matrices over a part of a sample depend on the pressure at its two Gauss points
             for p in range(parts):
                 # pressure in the middle of the part, and its change to the second Gauss point
@@ -314,7 +314,7 @@ class Stages:
                     surface.write(name, p, factors, arrays[name][run, p])
             # sensor rows at the start of a sample, A and gust input in its middle
             for place, names in ((-2, ("shown",)), (-1, ("A", "gust"))):
-                factors = surface.factors(times, at[place], still)
+                factors = surface.factors(times, at[place], no_change)
                 for name in names:
                     surface.write(name, ..., factors, arrays[name][run])
         return arrays

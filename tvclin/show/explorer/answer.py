@@ -254,7 +254,8 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     """
     # plans with only those values on which a requirement, and the time of a gust, depend
     inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
-    # whether the worst time of a gust must be searched for now: it is neither given nor cached
+    # whether the worst time of a gust must be searched for now, by `placed`: it is neither given
+    # nor cached
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
     def in_placed_wind(compute: Cached) -> CachedAnswer:
