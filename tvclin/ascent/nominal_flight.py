@@ -68,7 +68,10 @@ class FlightCondition:
         return 0.5 * self.density * float(np.asarray(vehicle.velocity)) ** 2
 
     def scaled(self, vehicle: Vehicle) -> Vehicle:
-        """Return the vehicle with weight, inertia and all forces times the factor `table_scale`."""
+        """Return the vehicle with weight, inertia and all forces times the factor `table_scale`.
+
+        No flight depends on this common factor, with which a table of the vehicle may be printed.
+        """
         names = ("weight", "moment_of_inertia", "normal_force_slope", "thrust", "axial_force")
         changes = {name: self.table_scale * getattr(vehicle, name) for name in names}
         if vehicle.control_force_slope is not None:

@@ -160,7 +160,7 @@ class LoadTradeOff(TradeOff):
     def above_lower_bound(self) -> bool | None:
         """Whether the limit is on the trade-off with the wind known, or above.
 
-        It lies between a proved bound and `lower_bound`, the limit of a computed control: None for
+        The trade-off lies between a proved bound and `lower_bound`, of a computed control: None for
         a limit between both, and without a limit unless no limit is sufficient.
         """
         if self.beyond_linear:
@@ -602,10 +602,10 @@ def load_trade_off(
     >>> np.degrees(front.limits).round(3).tolist()
     [0.199, 0.258, 0.308]
     """
-    angle = errors.small_angle("a load", errors.positive)
+    load_check = errors.small_angle("a load", errors.positive)
     limit_check = errors.small_angle("a limit", errors.positive)
     nozzle_limit = None if limit is None else errors.number("limit", limit, limit_check, "rad")
-    load_limit = None if load is None else errors.number("load", load, angle, "rad")
+    load_limit = None if load is None else errors.number("load", load, load_check, "rad")
     M = errors.number("moment_ratio", moment_ratio, errors.finite)
     if 0.0 < abs(M) < _MIN_MOMENT_RATIO:
         raise errors.InputError(
@@ -613,7 +613,7 @@ def load_trade_off(
         )
     rate = errors.unlimited("rate_limit", rate_limit, errors.between(*RATE_RANGE), "rad/s")
     if loads is not None:
-        load_bounds = angle("loads", errors.one_row("loads", loads, "rad"), "rad")
+        load_bounds = load_check("loads", errors.one_row("loads", loads, "rad"), "rad")
     case = load_limits(plant, wind, M, rate)
     if loads is None:
         # ten loads, from a little above the minimum to the load of the minimum deflection

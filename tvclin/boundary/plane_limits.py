@@ -175,10 +175,10 @@ def _turning_requirement(
         requirements[Reason.AFTER_TRIM] = _requirement_after_trim(
             pair, limit_shape.inside, K, literal, minimum=max(requirements.values())
         )
-    limit, reasons = _governing_requirement(requirements)
+    limit, why_larger = _governing_requirement(requirements)
     notes += [warning] if warning and limit == requirements[Reason.MINIMUM] else []
     return PlaneRequirement(
-        limit, deflection, time, bound=bound, minimum=minimum, notes=(*notes, *reasons)
+        limit, deflection, time, bound=bound, minimum=minimum, notes=(*notes, *why_larger)
     )
 
 
@@ -278,10 +278,10 @@ def _scalar_case(pair: PlanePair) -> tuple[Plant, History] | None:
 def _unidirectional_requirement(
     pair: PlanePair, plant: Plant, wind: History, limit_shape: LimitShape, K: float, literal: bool
 ) -> PlaneRequirement:
-    """Return the requirement along the direction of the wind, the gauge times the scalar one.
+    """Return the requirement of a wind of one direction: of one plane, times the gauge of that.
 
-    `pair`: plants and wind. `plant`, `wind`: of the scalar case. `limit_shape`: of the nozzle. `K`:
-    dead band. `literal`: whether its exit is on trim, not on the wind.
+    `pair`: plants and wind. `plant`, `wind`: of the plane along the wind. `limit_shape`: of the
+    nozzle. `K`: dead band. `literal`: whether its exit is on trim, not on the wind.
     """
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
     # of K = 1, to have the bound without a forecast; the minimum does not depend on K
@@ -295,9 +295,9 @@ def _unidirectional_requirement(
     bound = requirements[Reason.NO_FORECAST] * largest_gauge
     after = requirements[Reason.AFTER_TRIM]
     if 0.0 < K < 1.0:  # the minimum after trim up to K times the limit, with exit on trim
-        flown = boundary if literal else boundary_limit(plant, wind, K, "literal")
-        after = float(open_loop_requirements(plant, wind, K, flown)[Reason.AFTER_TRIM])
-    limit, reasons = _governing_requirement(
+        on_trim = boundary if literal else boundary_limit(plant, wind, K, "literal")
+        after = float(open_loop_requirements(plant, wind, K, on_trim)[Reason.AFTER_TRIM])
+    limit, why_larger = _governing_requirement(
         {
             Reason.BOUNDARY: requirements[Reason.BOUNDARY] * gauge,
             Reason.MINIMUM: requirements[Reason.MINIMUM] * largest_gauge,
@@ -312,8 +312,9 @@ def _unidirectional_requirement(
         time=float(boundary.switch_time),
         bound=bound,
         minimum=requirements[Reason.MINIMUM] * largest_gauge,
-        notes=(*notes, *reasons),
-        y=None if reasons or not pair.equal else boundary.limit * gauge,
+        notes=(*notes, *why_larger),
+        # exact for equal planes, where the boundary governs and no note says why not
+        y=None if why_larger or not pair.equal else boundary.limit * gauge,
     )
 
 

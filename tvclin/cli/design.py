@@ -135,7 +135,7 @@ def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) ->
         note_below("the margins in the box are of the continuous autopilot")
     worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
     # the criteria of the case; of modes there are none to judge
-    return BoxResult(worst, case.held_to.without_mode_limits or case.held_to)
+    return BoxResult(worst, case.margin_criteria.without_mode_limits or case.margin_criteria)
 
 
 def _interval(
@@ -225,9 +225,9 @@ class MinimumGainOptions:
         """Return the gains for the minimum deflection; None without --least.
 
         The minimum is of the largest deflection over pulses of the duration of the wind, half and
-        twice that; margins satisfy `case.held_to`, the criteria of the plan or the classic ones.
-        `over` gives the plan the rule `LEAST_NOZZLE`; `InputError` where gains or another rule took
-        its place, and for a sounding.
+        twice that; margins satisfy `case.margin_criteria`, of the plan or the classic ones. `over`
+        gives the plan the rule `LEAST_NOZZLE`; `InputError` where gains or another rule took its
+        place, and for a sounding.
         """
         design, wind = case.autopilot_design, case.wind_in_plane
         if not self.least:
@@ -243,7 +243,7 @@ class MinimumGainOptions:
             wind.history({"wind_duration": ratio * wind.duration}) for ratio in _DURATION_RATIOS
         ]
         gains = ("attitude", "rate", "alpha") if self.three_gains else ("attitude", "rate")
-        return minimum_gains(case, winds, case.held_to, gains=gains)
+        return minimum_gains(case, winds, case.margin_criteria, gains=gains)
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,7 +275,7 @@ class RuleResult(Record):
         `rule`: name of the rule of its gains. The peak deflection [rad] is NaN for an unstable
         loop, and where the delay is too long for its approximation.
         """
-        margins, peak = JudgedMargins.of(autopilot, case.plant, case.held_to), nan
+        margins, peak = JudgedMargins.of(autopilot, case.plant, case.margin_criteria), nan
         if margins.whole.stable:
             with suppress(InputError):  # the approximation of a long delay misleads
                 response = autopilot.continuous.wind_response(case.plant, case.history)
@@ -317,13 +317,14 @@ def design(
 
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
+    # each writes its options over the plan of the vehicle's file
     changes = [*(options.over for options in (timing, motion, least, gains)), _with_gains]
     questions = ("design --box",) if box else ()
     case = case_of(vehicle, *changes, wind=winds.over, questions=("design", *questions), time=time)
     with waiting("seeking gains"):
         sought = least.minimum(case)
         loop = (
-            specified_autopilot(case, case.history, criteria=case.held_to)
+            specified_autopilot(case, case.history, criteria=case.margin_criteria)
             if sought is None
             else sought.autopilot
         )
@@ -378,7 +379,7 @@ def _frequency(case: StudyPlan) -> float | None:
     """
     if (frequency := case.autopilot_design.natural_frequency) is not None:
         return frequency
-    rule = satisfying_rule(case, case.held_to)
+    rule = satisfying_rule(case, case.margin_criteria)
     if rule is not None and rule.natural_frequency is not None:
         return rule.natural_frequency
     with suppress(InputError):  # a stable vehicle has no such pole
@@ -411,11 +412,11 @@ class _Answer:
     def notes(self) -> tuple[str, ...]:
         """Notes on the gains, on the search for them and on their margins.
 
-        Margins are of the `whole` loop and of its modes; `held_to` are the criteria for them.
+        Margins are of the `whole` loop and of its modes; `margin_criteria` are their criteria.
         """
         sought = () if self.sought is None else self.sought.notes
         satisfied, delay = self.margins.satisfied, self.margins.whole.delay_margin
-        notes = gain_notes(self.case, self.case.held_to, satisfied, delay)
+        notes = gain_notes(self.case, self.case.margin_criteria, satisfied, delay)
         sampled = self.margins.autopilot.sample_rate is not None
         timing = ("margins are of the sampled autopilot, peaks of the continuous one",) * sampled
         return (*sought, *timing, *notes, *self.margins.whole.notes, *mode_notes(self.margins))
@@ -424,13 +425,15 @@ class _Answer:
         """Return the chart of deflection against disk margin for gains of minimum deflection.
 
         `sought` are these gains, None where others were designed: then it is the Nichols chart of
-        the margins, with the criteria `held_to`.
+        the margins, with their criteria `margin_criteria`.
         """
         from tvclin import plots
 
         if self.sought is not None:
             return plots.gain_trade_off_chart([gain_trade_off(self.sought)])
-        return plots.nichols_chart(self.margins.autopilot, self.case.plant, self.case.held_to)
+        return plots.nichols_chart(
+            self.margins.autopilot, self.case.plant, self.case.margin_criteria
+        )
 
     def document(self) -> dict[str, Any]:
         """Return the document of the answer for JSON.

@@ -225,9 +225,8 @@ class Flying:
         if self.law == REPORT:
             return ReportControl(**parameters)
         if self.law == AUTOPILOT:
-            parameters = {
-                AUTOPILOT: specified_autopilot(self.plan, self.wind, criteria=self.plan.held_to)
-            }
+            criteria = self.plan.margin_criteria
+            parameters = {AUTOPILOT: specified_autopilot(self.plan, self.wind, criteria=criteria)}
         parameters["rate_limit"] = self.plan.hardware["rate_limit"]
         return design_law(self.law, plant, float(self.wind.peak), **parameters)
 

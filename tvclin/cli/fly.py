@@ -383,7 +383,7 @@ def _with_gains(law_options: FlownLaw, plan: StudyPlan) -> StudyPlan:
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
     """Return the laws of a case by name, with filters, designed on a plant for a peak [rad]."""
-    autopilot = specified_autopilot(case, case.history, criteria=case.held_to)
+    autopilot = specified_autopilot(case, case.history, criteria=case.margin_criteria)
     laws_by_name = standard_laws(plant, peak, autopilot, case.hardware["rate_limit"])
     return {
         name: with_filters(law, case.autopilot_design)

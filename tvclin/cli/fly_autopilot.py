@@ -246,7 +246,7 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
     `times`: times of the flight [s], ``(n,)``.
     """
     case = linear.plan
-    autopilot = specified_autopilot(case, case.history, criteria=case.held_to)
+    autopilot = specified_autopilot(case, case.history, criteria=case.margin_criteria)
     compared = compare_with_trim(case.plant, autopilot, case.history)
     # without a limit shape the requirement is that of this plane alone
     single_plane_case = replace(case, nozzle=replace(case.nozzle, limit_shape=None))
@@ -323,12 +323,12 @@ class AutopilotFlight:
         """Notes on the wind angle and angle of attack, the loop, the flight and the gains.
 
         `compared`: peaks and margins of the autopilot without limits in this wind, beside ideal
-        trim. `case.held_to`: the criteria for its margins, classic ones by default.
+        trim. `case.margin_criteria`: the criteria for its margins, classic ones by default.
         """
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
         delay, satisfied = self.compared.margins.delay_margin, self.criteria_satisfied
-        gains = gain_notes(self.case, self.case.held_to, satisfied, delay)
+        gains = gain_notes(self.case, self.case.margin_criteria, satisfied, delay)
         flight_notes = () if self.flight is None else self.flight.flight_notes
         loop = self.compared.notes if self.compared.margins.stable else ()
         return (*angle, *loop, *flight_notes, *gains)
@@ -355,9 +355,9 @@ class AutopilotFlight:
 
     @cached_property
     def criteria_satisfied(self) -> bool:
-        """Whether the margins of the autopilot satisfy the criteria of the case, `case.held_to`."""
-        compared = self.compared
-        return JudgedMargins.of(compared.autopilot, compared.plant, self.case.held_to).satisfied
+        """Whether the margins of the autopilot satisfy the criteria `case.margin_criteria`."""
+        compared, criteria = self.compared, self.case.margin_criteria
+        return JudgedMargins.of(compared.autopilot, compared.plant, criteria).satisfied
 
     @property
     def peak_force_and_lateral_speed(self) -> tuple[float, float]:
@@ -403,7 +403,7 @@ class AutopilotFlight:
         boundaries by dead band K, and the worst duration of the wind.
         """
         compared, (force, across) = self.compared, self.peak_force_and_lateral_speed
-        criteria = self.case.held_to
+        criteria = self.case.margin_criteria
         return {
             "model": self.case.plant.model,
             "autopilot": compared.autopilot,
@@ -475,8 +475,8 @@ class AutopilotFlight:
     def _judged(self) -> Iterator[str]:
         """Yield notes on criteria that are not satisfied, and on the required deflection."""
         if not self.criteria_satisfied:
-            word = satisfaction(self.criteria_satisfied)
-            yield f"criteria {self.case.held_to.name}: {word} (tvclin margins says by how much)"
+            word, name = satisfaction(self.criteria_satisfied), self.case.margin_criteria.name
+            yield f"criteria {name}: {word} (tvclin margins says by how much)"
         if self.required is not None:
             yield f"{self.required.see_study}: for the ideal trim law"
 

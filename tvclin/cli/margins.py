@@ -314,8 +314,8 @@ def margins(
         only_with("--limit-deg", **vars(winds))
         questions += ["margins without a wind"]
     note_omissions(case, "margins", *questions)
-    autopilot = specified_autopilot(case, case.history, criteria=case.held_to)
-    loop = JudgedMargins.of(autopilot, case.plant, case.held_to)
+    autopilot = specified_autopilot(case, case.history, criteria=case.margin_criteria)
+    loop = JudgedMargins.of(autopilot, case.plant, case.margin_criteria)
     in_wind = _flown(case, autopilot) if flown and loop.whole.stable else None
     result = _Answer(case, loop, winds.name(case), loop.detuned if detuned else None, in_wind)
     draw(shown.plot, lambda: _chart(chart, loop))
@@ -341,10 +341,10 @@ class _Answer:
     def notes(self) -> tuple[str, ...]:
         """Notes on modes slightly off their frequency, and on the gains of the autopilot.
 
-        `case.held_to`: the criteria for the margins, classic ones by default.
+        `case.margin_criteria`: the criteria for the margins, classic ones by default.
         """
         satisfied, margins = self.margins.satisfied, self.margins.whole
-        notes = gain_notes(self.case, self.case.held_to, satisfied, margins.delay_margin)
+        notes = gain_notes(self.case, self.case.margin_criteria, satisfied, margins.delay_margin)
         return (*self._detuning_notes(), *notes)
 
     def _detuning_notes(self) -> Iterator[str]:
@@ -419,7 +419,7 @@ class _Answer:
             tables.append(flown_table(self.in_wind, title))
 
         def details() -> None:
-            """Print the stability of detuned modes, the autopilot and its bounds."""
+            """Print the stability of detuned modes, the autopilot, and bounds on any margins."""
             if self.detuned is not None:
                 say_lines(self.detuned.stability_lines)
             print_autopilot("Autopilot", loop.autopilot, case.plant)

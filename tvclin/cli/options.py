@@ -393,7 +393,10 @@ class FlownLaw:
         self.timing.only_with(needed)
 
     def only_with_autopilot(self, source: str) -> None:
-        """Raise `InputError` for gains, by options or keys of --set, of a law that has none."""
+        """Raise `InputError` for gains of a law without gains.
+
+        They are options, or keys of --set, which `source`, file or name of the vehicle, holds.
+        """
         from tvclin.control.laws.registry import AUTOPILOT  # late: of all laws
 
         needed = f"--law {AUTOPILOT}"
@@ -402,7 +405,7 @@ class FlownLaw:
             raise InputError(f"--set {key} needs {needed}")
 
     def has_gains(self, source: str) -> bool:
-        """Return whether gains are given by options or by keys of --set."""
+        """Return whether options give gains, or keys of --set, which the vehicle `source` holds."""
         return bool(self.gains.values or self._gain_keys(source))
 
     def _gain_keys(self, source: str) -> list[str]:

@@ -320,11 +320,11 @@ def named(
 def in_options(
     message: str, candidates: Mapping[str, tuple[str, ...]], set_options: Iterable[str]
 ) -> str:
-    """Return a message with options in place of arguments.
+    """Return an error message with names of options in place of names of Python arguments.
 
     `candidates`: by argument, the options that may give it, the option of the same name first.
-    `set_options`: options of the command line. An argument stays where two of its options are set,
-    and mostly, if it is a single word, where none is set.
+    `set_options`: options of the command line. An argument stays where two of its options are set;
+    a single word, which may be English, is replaced at a few places only.
     """
     options = set(set_options)
     return "\n".join(_in_options(line, candidates, options) for line in message.split("\n"))

@@ -86,7 +86,7 @@ class GainProblem:
                 f"actuator must be an Actuator or None; got {errors.shown(self.actuator)}"
             )
         errors.single("actuator", () if self.actuator is None else self.actuator.batch)
-        checked(self)
+        checked(self)  # delay, crossover and sample rate
         if errors.flag("limits", self.limits):
             check_sample_rate(self.flown_rate, self.actuator)
         if errors.whole_number("stops", self.stops) and not self.limits:

@@ -230,7 +230,7 @@ def law_trials(
         if progress is not None:
             progress(pair * total + done, len(pairs) * total)
 
-    with repeated(len(pairs)):
+    with repeated(len(pairs)):  # so many are worth compiled kernels
         return LawTrials(
             _trial(plant, law, wind, cuts, loads, flown, progress=partial(report, k))
             for k, (law, wind) in enumerate(pairs)

@@ -198,13 +198,14 @@ def covers_quantile(
 
     `limit`: [rad]. `required`: requirements of cases [rad], ``(n,)``. `unknown`: whether the
     requirement of a case is not known, ``(n,)``. `probability`, `confidence`: of the quantile, and
-    of its bound. None where the sample is too small, and where infinite and zero requirements
-    of the unknown cases lead to different verdicts.
+    of its upper bound, which the limit must reach. None where the sample is too small, and where
+    infinite and zero requirements of the unknown cases lead to different verdicts.
     """
     verdicts: set[bool | None] = set()
     for value in (np.inf, 0.0):
         sample = np.where(unknown, value, required)
         quantile = quantile_bound(sample, probability, confidence)
+        # the upper end of this interval may refuse a limit where the sample is too small
         success = success_probability(int(np.sum(covers(limit, sample))), sample.size, confidence)
         verdicts.add(quantile.covered(bool(covers(limit, quantile.upper)), success))
     return verdicts.pop() if len(verdicts) == 1 else None

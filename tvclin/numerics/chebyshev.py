@@ -169,13 +169,13 @@ class Surface:
             # every point once with z and once with -z: their mean and slope are exact
             at_x, at_y = (np.tile(position.ravel(), 2) for position in positions)
             count = at_x.size // 2
-            made = function(at_x, at_y, np.repeat([z, -z], count))
-            values = {name: 0.5 * (array[:count] + array[count:]) for name, array in made.items()}
+            samples = function(at_x, at_y, np.repeat([z, -z], count))
+            values = {name: 0.5 * (a[:count] + a[count:]) for name, a in samples.items()}
             if not all(_converges(values, shape, axis) for axis in range(2)):
                 continue
             table = {
                 name: np.concatenate([value - value[0], (a[:count] - a[count:]) / (2.0 * z)])
-                for (name, value), a in zip(values.items(), made.values(), strict=True)
+                for (name, value), a in zip(values.items(), samples.values(), strict=True)
             }
             first = {name: value[0] for name, value in values.items()}
             return cls(x=x, y=y, degree=degree, first=first, table=table)

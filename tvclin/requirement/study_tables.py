@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -131,16 +132,16 @@ def boundaries(study: Study) -> Table:
     if study.switch == "report":
         row_label = "boundary limit, K = "
         limits = {name: np.abs(boundary.deflection) for name, boundary in study.boundaries.items()}
-    rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_parts(study, "trim", study.trim_deflection))]
+    rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_cells(study, "trim", study.trim_deflection))]
     for i, K in enumerate(study.dead_bands):
         mark = _VERDICT if K == study.dead_band and not judged and not study.unknown else ""
         sizes = {name: limit[i] for name, limit in limits.items()}
-        cells = map(minimum_limit, _parts(study, f"boundary.{i}", sizes))
+        cells = map(minimum_limit, _cells(study, f"boundary.{i}", sizes))
         rows.append(((row_label, *significant(f"boundary.{i}.K", K), mark), *cells))
     for row in judged:
         mark, needs = _VERDICT if row.of_verdict else "", {study.model: row.required}
-        rows.append(((row.label + mark,), *_parts(study, row.label.replace(" ", "_"), needs)))
-    rows += [((LEAST[key],), *_parts(study, key, needs)) for key, needs in study.needs.items()]
+        rows.append(((row.label + mark,), *_cells(study, row.label.replace(" ", "_"), needs)))
+    rows += [((LEAST[key],), *_cells(study, key, needs)) for key, needs in study.needs.items()]
     scope = ""
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
     in_one_plane = not study.judges_both_planes and study.model in study.boundaries
@@ -319,18 +320,18 @@ def _in_units(
     return (*significant(f"{key}.own", value, 6, unit), " (", *shown, ")")
 
 
-def _parts(study: Study, key: str, needs: float | Mapping[str, float]) -> list[Line]:
+def _cells(study: Study, key: str, deflections: float | Mapping[str, float]) -> list[Line]:
     """Return the cells of a deflection for each model: in degrees, and normalised by trim.
 
-    `key`: prefix of their names. `needs`: deflection [rad] of each model, or of all. NaN where
-    static trim, by which they are normalised, is zero.
+    `key`: prefix of their names. `deflections`: [rad], of each model, or of all. NaN where static
+    trim, by which they are normalised, is zero.
     """
     cells: list[Line] = []
     trim = study.trim_deflection
     for name in study.boundaries:
-        need = needs.get(name, np.nan) if isinstance(needs, Mapping) else needs
-        need, ratio = (need, need / trim) if trim else (np.nan, np.nan)
-        cells += [degrees(f"{key}.{name}", need), number(f"{key}.{name}.part", ratio)]
+        angle = deflections.get(name, nan) if isinstance(deflections, Mapping) else deflections
+        angle, ratio = (angle, angle / trim) if trim else (nan, nan)
+        cells += [degrees(f"{key}.{name}", angle), number(f"{key}.{name}.part", ratio)]
     return cells
 
 

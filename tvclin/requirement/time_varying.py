@@ -325,13 +325,13 @@ def _exits(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return minimum peaks [rad] of any control, and limits [rad] and times [s] of exits.
 
-    All are ``(n,)``: the smallest peak of any control from the onset of a wind on, zero for a case
-    that is not in `Equations.modes`; and for `dead_band` K < 1 the limit that is required, and the
-    time at which the control leaves the dead band; both zero for K = 1. `trim_and_demand`: curves
+    All are ``(n,)``: the smallest peak of any control from the onset of a wind on, zero where the
+    demand bounds it (one unstable mode); and for `dead_band` K < 1 the limit that is required, and
+    the time at which trim leaves the dead band; both zero for K = 1. `trim_and_demand`: curves
     of the deflection of trim, and of the limit that is sufficient when held from then on.
     """
     minimum, limit, time = np.zeros((3, len(trim_and_demand.trim)))
-    ratios = None  # trim over K [rad]: for 0 < K < 1 minima count from the exit on too
+    ratios = None  # trim over K [rad], for minimum peaks from an exit with 0 < K < 1 on
     if dead_band < 1.0:
         with np.errstate(divide="ignore", invalid="ignore"):
             limit, time = trim_and_demand.limit_of_dead_band(dead_band)
@@ -372,7 +372,7 @@ def batch_requirements(
         same_steps = finite[np.ravel(group) == k]
         batch_size = int(MAX_BATCH_STEPS // groups[k].sum()) + 1
         batches += np.split(same_steps, range(batch_size, same_steps.size, batch_size))
-    with repeated(len(batches)):
+    with repeated(len(batches)):  # so many are worth compiled kernels
         for cases in batches:
             batch = equations.of(cases), encountered.of(cases, count)
             required[cases] = varying_requirement(*batch, dead_band).required

@@ -124,7 +124,7 @@ class Findings:
     @property
     def criteria(self) -> Criteria:
         """Criteria of the margins."""
-        return self.plan.held_to
+        return self.plan.margin_criteria
 
     @property
     def margins(self) -> Margins | BandMargins | None:
@@ -382,7 +382,7 @@ def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
     """
     from tvclin.case.flexible_autopilot import flexible_answer
 
-    (plant, autopilot), criteria = loop(), plan.held_to
+    (plant, autopilot), criteria = loop(), plan.margin_criteria
     # share of this plane in a limit of both
     limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.plane_ratio
     return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
@@ -476,7 +476,7 @@ def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
     """
     from tvclin.design.gain_designs import specified_autopilot
 
-    return plan.plant, specified_autopilot(plan, study.history, criteria=plan.held_to)
+    return plan.plant, specified_autopilot(plan, study.history, criteria=plan.margin_criteria)
 
 
 def _turbulence(

@@ -141,7 +141,7 @@ class FlightLoop:
             self.flight,
             self.autopilot,
             self.times,
-            criteria=self.plan.held_to,
+            criteria=self.plan.margin_criteria,
             model=self.model,
             plane=self.plan.plane,
         )

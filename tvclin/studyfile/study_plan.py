@@ -176,7 +176,7 @@ class StudyPlan(Case):
             )
 
     @property
-    def held_to(self) -> Criteria:
+    def margin_criteria(self) -> Criteria:
         """Criteria for the margins; the classic criteria by default."""
         from tvclin.control.margins.criteria import CRITERIA
 

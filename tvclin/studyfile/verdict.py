@@ -288,10 +288,10 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
 
 
 def measured(key: str, measure: Measure) -> tuple[Line, ...]:
-    """Return required, available and remaining of a measure as lines, with units.
+    """Return the required, available and remaining amount of a measure as lines, with units.
 
-    `key`: begin of the unique names of the numbers on the page. None remains where none is
-    sufficient.
+    The measure is of a deflection limit or another capability. Where no amount is sufficient, the
+    remaining one is blank. `key`: begin of the unique names of the numbers on the page.
     """
     required, available, remaining = (_shown(f"{key}.{k}", k, measure) for k in _NUMBERS)
     if np.isinf(measure.required):

@@ -347,9 +347,9 @@ def _refined(
 ) -> tuple[RateProgram, float, float]:
     """Return the program on nodes that are fine enough, its peak and the peak's last change.
 
-    The peak is over the peak of `unlimited`, and infinite where the rate is too small; the change
-    is the decrease by the last refinement of the nodes, relative to the peak. `constraints`:
-    conditions of the case. `unlimited`: deflection of minimum peak without a rate limit, from
+    The peak is relative to the peak of `unlimited`, and infinite where the rate is too small; the
+    change is its relative decrease by the last refinement of the nodes. `constraints`: conditions
+    of the case. `unlimited`: deflection of minimum peak without a rate limit, from
     `start` [s] on. `rate`: limit [rad/s]. `steps`: intervals to begin with.
     """
     nodes = _first_nodes(constraints, unlimited.switch_times - start, steps)

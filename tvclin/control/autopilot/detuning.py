@@ -373,14 +373,14 @@ def stable_ranges(
     becomes unstable by 16.
     """
     names, _ = named_modes(plant)
-    count = len(names)
+    mode_count = len(names)
 
     def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
-        """Return whether the loop is unstable with factors on mode frequencies, ``(m, n)``.
+        """Return whether the loop is unstable or marginal with factors on modes, ``(m, n)``.
 
-        `factors`: ``(m, n)``. `modes`: index of the mode that each row changes, ``(m,)``.
+        `factors`: on a mode's frequency, ``(m, n)``. `modes`: index of each row's mode, ``(m,)``.
         """
-        frequency = np.ones((factors.size, count))
+        frequency = np.ones((factors.size, mode_count))
         frequency[np.arange(factors.size), np.repeat(modes, factors.shape[1])] = factors.ravel()
         damping = np.ones_like(frequency)
         loop = autopilot.exact_loop(with_mode_factors(plant, frequency, damping))
@@ -391,12 +391,13 @@ def stable_ranges(
     # One row for each mode with factors below one, then for each with factors above one; `rows` are
     # the numbers of those that become unstable. They do so between the factors `inner` (stable) and
     # `outer` (unstable), which each refinement brings closer.
-    rows = np.arange(2 * count)
-    inner, outer = np.ones(2 * count), np.repeat([min(low, 1.0), max(high, 1.0)], count)
+    rows = np.arange(2 * mode_count)
+    inner = np.ones(2 * mode_count)
+    outer = np.repeat([min(low, 1.0), max(high, 1.0)], mode_count)
     for refinement in range(_REFINEMENTS + 1):
         fractions = np.linspace(0.0, 1.0, 1 + (_PARTS if refinement else intervals))
         factors = inner[:, np.newaxis] + (outer - inner)[:, np.newaxis] * fractions
-        fails = unstable(factors, rows % count)
+        fails = unstable(factors, rows % mode_count)
         fails[:, -1] |= refinement > 0  # `outer` is known to be unstable
         exists, first = np.any(fails, axis=1), np.argmax(fails, axis=1)  # first unstable factor
         rows, first, factors = rows[exists], first[exists], factors[exists]
@@ -404,9 +405,9 @@ def stable_ranges(
             break
         index = np.arange(rows.size)
         inner, outer = factors[index, np.maximum(first - 1, 0)], factors[index, first]
-    bounds = np.full(2 * count, np.nan)
+    bounds = np.full(2 * mode_count, np.nan)
     bounds[rows] = outer[: rows.size]
-    lower, upper = bounds.reshape(2, count).tolist()
+    lower, upper = bounds.reshape(2, mode_count).tolist()
     return tuple(StableRange(*row) for row in zip(names, lower, upper, strict=True))
 
 

@@ -347,21 +347,24 @@ class EqualValues(Tabled):
             return np.asarray(np.nanmax(np.abs(np.log(np.abs(ratios))), axis=0, initial=0.0))
 
     def table(self) -> Table:
-        """Return the table of the five pairs whose gains differ most."""
+        """Return the table of the five pairs of times whose gains differ most.
+
+        At both times of a pair the variable of the flight has the same value.
+        """
         caption = "Times of one value, and the ratio of the gains there"
         largest = np.argsort(-self.difference, kind="stable")[:_SHOWN_PAIRS]
-        table = array_table(caption, "equal", self, *_PAIR, rows=largest.tolist())
+        table = array_table(caption, "equal", self, *_PAIR_FIELDS, rows=largest.tolist())
         _, *headings = table.head  # the first column is headed by the variable
         return replace(table, head=(self.variable, *headings))
 
     def _columns(self) -> Columns:
         """Return the pairs as columns of a CSV, with the name of the variable."""
         pairs = Column("pair", np.arange(1, self.value.size + 1), "")
-        return Columns((pairs,), columns_of(self, *_PAIR), {"variable": self.variable})
+        return Columns((pairs,), columns_of(self, *_PAIR_FIELDS), {"variable": self.variable})
 
 
-_PAIR = ("value", "first_time", "second_time", "attitude_gain_ratio", "rate_gain_ratio")
-"""Fields of a pair of times."""
+_PAIR_FIELDS = ("value", "first_time", "second_time", "attitude_gain_ratio", "rate_gain_ratio")
+"""Fields of a pair in `EqualValues`."""
 
 
 def equal_values(

@@ -346,18 +346,18 @@ class Stages:
     def _arrays_in(
         self, flight: int, times: FloatArray, pressure: FloatArray, change: FloatArray
     ) -> dict[str, FloatArray]:
-        """Return the matrices of m samples of one flight, by name, at given dynamic pressures.
+        """Return the matrices of m samples of one flight by name, with a pressure for each sample.
 
         `flight`: index of the flight. `times`: starts of the samples [s], ``(m,)``. `pressure`:
-        q/q_n in the middle of each part of a sample, ``(m,)``. `change`: its change from there to
-        the second Gauss point of the part, ``(m,)``.
+        q/q_n in a sample, ``(m,)``, the same in the middle of all its parts. `change`: change of
+        q/q_n from there to the second Gauss point of each part, ``(m,)``.
         """
-        places = self._places(times)
+        places = self._places(times)  # rows: both Gauss points of each part, start, middle
         parts = len(places) // 2 - 1
         # -1 at the first Gauss points, 1 at the second ones, 0 at start and middle of a sample
-        sides = np.repeat([-1.0, 1.0, 0.0], [parts, parts, 2])[:, np.newaxis]
-        which = np.full(places.size, flight)
-        return self._assembled(places, which, (pressure + sides * change).ravel(), middle=True)
+        signs = np.repeat([-1.0, 1.0, 0.0], [parts, parts, 2])[:, np.newaxis]
+        flights = np.full(places.size, flight)
+        return self._assembled(places, flights, (pressure + signs * change).ravel(), middle=True)
 
     def _places(self, times: FloatArray) -> FloatArray:
         """Return the times [s] within m samples at which the vehicle is evaluated, ``(places, m)``.
@@ -535,10 +535,13 @@ class Stages:
 
     @cached_property
     def _ends(self) -> IntArray:
-        """Indices of the samples at the end of each wind, and of its flight, ``(2, w)``."""
+        """Indices of the samples at the end of each wind, and of its flight, ``(2, w)``.
+
+        They count the samples of all flights. A wind ends with its flight at the latest.
+        """
         flight = self.flight_of_wind
         wind_end = np.concatenate([wind.end.ravel() for wind in self.winds])
-        samples = self.samples[flight]
+        samples = self.samples[flight]  # number of samples in the flight of each wind
         ends = samples_in(wind_end - self.starts[flight], np.array(self.period))
         return self.first[flight] + np.stack([np.minimum(ends, samples), samples])
 

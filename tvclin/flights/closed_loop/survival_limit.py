@@ -397,7 +397,7 @@ def closed_loop_boundary(
 
         return status_in_all_winds(winds, status, limits.size, tell)
 
-    with repeated(total):
+    with repeated(total):  # so many are worth compiled kernels
         scan = limit_above_losses(status_at, np.linspace(low, high, STEPS + 1))
     # The loop in its linear range, at that limit, on which some laws depend
     at = scan.limit if np.isfinite(scan.limit) else high

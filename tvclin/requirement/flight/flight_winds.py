@@ -302,11 +302,12 @@ def concurrent_trim(
     limit_shape: LimitShape,
     known: BoolArray,
 ) -> ConcurrentTrim:
-    """Return the concurrent trim [rad] of winds at flight times [s], ``(n, m)``.
+    """Return the largest trim ``|B(t) alpha_w(t)|`` [rad] around each flight time, ``(n, m)``.
 
-    `winds`: m winds by name; `placing`: "peak" or "flight" for each. `planes`: one plane or both;
-    with both `limit_shape` measures the vector of trim. `known`: whether a wind can be sized, ``(n,
-    m)``; the trim of a wind that cannot, such as beyond linear aerodynamics, is NaN.
+    `times`: n flight times [s]. `winds`: m winds by name; `placing`: "flight" for a wind in flight
+    time, "peak" for one whose peak is moved to each flight time, of which the trim is NaN.
+    `planes`: one plane or both; with both `limit_shape` measures the vector of trim. `known`:
+    whether a wind can be sized, ``(n, m)``; the trim of a wind that cannot is NaN.
     """
     ordered = np.sort(times)
     # each flight time stands for the interval to the middles between it and its neighbours

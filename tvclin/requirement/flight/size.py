@@ -326,7 +326,7 @@ def size(
             plane=name,
             law=law,
         )
-        with repeated(len(named) * chosen.size):
+        with repeated(len(named) * chosen.size):  # so many are worth compiled kernels
             sizings[name] = _plane_sizing(inputs, vehicles, in_plane, varying, count_need)
     sizing = (
         sizings[plane]

@@ -157,7 +157,7 @@ def with_numerical_gains(plan: StudyPlan) -> StudyPlan:
     """Return a plan with numerical gains, also where its design searches for them."""
     design = plan.design
     if plan.autopilot_design.design == LEAST_NOZZLE:
-        autopilot = specified_autopilot(plan, plan.history, criteria=plan.held_to)
+        autopilot = specified_autopilot(plan, plan.history, criteria=plan.margin_criteria)
         gains: Any = {name: float(getattr(autopilot, name)) for name in GIVEN_GAINS}
         design = replace(loop_of(plan.autopilot_design), **gains)
     return replace(plan, design=design)

@@ -334,7 +334,7 @@ class Panel:
             self.notes.value = _paragraphs(str(error))
             return
         self._show_gains(choices)
-        self._complete(choices, 0)
+        self._complete(choices, steps=0)
 
     def _show_gains(self, choices: Choices) -> None:
         """Set the sliders of gains to the gains that the rule of choices gives.
