@@ -548,10 +548,7 @@ def _along(
     along = dict(zip(winds, requirements, strict=True))  # requirements by key, see `key_of`
 
     def requirement_of(wind: PlacedWind, key: bytes | None) -> FlightRequirement:
-        """Return the requirement of a wind, by its `key` in `along`.
-
-        Without a key it is not computed: zero in a calm, NaN for a wind that is not known.
-        """
+        """Return the requirement in `along` by its key; without one zero in a calm, else NaN."""
         if key is not None:
             return along[key]
         none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
