@@ -141,7 +141,7 @@ def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:
     Parameters
     ----------
     tau_beta : array_like
-        tau beta, positive: the duration in units of 1/beta.
+        The duration tau of the wind in units of 1/beta, positive.
     K1 : array_like
         (beta + b2)/(beta + b1), eq (15b); 1 without drift.
 
@@ -161,7 +161,7 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     Parameters
     ----------
     tau_beta : array_like
-        tau beta, positive: the duration in units of 1/beta.
+        The duration tau of the wind in units of 1/beta, positive.
     dead_band : array_like
         K in [0, 1]; broadcasts with `tau_beta`.
 
@@ -202,7 +202,7 @@ def triangular_limit_with_drift(
     Parameters
     ----------
     tau_beta : array_like
-        tau beta, positive.
+        The duration tau of the wind in units of 1/beta, positive.
     dead_band : array_like
         K in [0, 1].
     beta : array_like

@@ -261,7 +261,7 @@ class LoadLimits:
 
     @cached_property
     def dense_program(self) -> LoadProgram:
-        """Linear program on nodes that resolve the oscillating zeros of the load as well."""
+        """Linear program on nodes that also resolve a deflection without load, which oscillates."""
         nodes, zeros = self.program.nodes, self.case.oscillating_zeros
         if not zeros.size:
             return self.program
@@ -357,7 +357,7 @@ class LoadLimits:
         return [results[k] for k in range(loads.size)]
 
     def at(self, load: float) -> tuple[float, float, float]:
-        """Return limit [rad], its lower bound [rad] and slope at a bound of the load [rad].
+        """Return limit [rad], its lower bound [rad] and slope at a load bound `load` [rad].
 
         The slope is the decrease of the lower bound per load. Linear programs on finer nodes are
         solved until the gap is small; a mixture of their controls attains the limit, else infinite.

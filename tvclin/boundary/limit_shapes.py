@@ -481,13 +481,14 @@ class Cluster(LimitShape):
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return the support of the mean deflection along each `direction`, a complex vector.
 
-        That of the moving engines, plus the scalar product with the mean deflection of the stuck
-        ones. With roll held it is the minimum over the multiplier rho of the roll moment.
+        It is the support of the moving engines (`_sum`) plus the scalar product with the mean
+        deflection of the stuck ones. Where the engines must keep the roll moment zero, it is the
+        minimum over the multiplier rho of this condition.
         """
         d = vectors("direction", direction)
         bias, roll = self._stuck
         free = self._sum(d, np.zeros(d.shape))
-        # remaining roll moments of both signs with the stuck engines; zero with roll free
+        # largest roll moments of both signs, of all engines; zero where roll is free
         sides = self._rolls(1.0) + roll, self._rolls(-1.0) - roll
         if min(sides) > 0.0:
             # sum s_j h_j(j rho r_j) <= sum s_j h_j(d + j rho r_j) + sum s_j h_j(-d) bounds rho

@@ -479,9 +479,10 @@ class _Moments:
 
     @cached_property
     def nodes(self) -> tuple[Vectors, FloatArray]:
-        """Functions a p e^(-p t), ``(k, m)``, of k poles p and axes a at m nodes, and weights.
+        """Functions a p e^(-p t), ``(k, m)``, of k poles p and axes a at m nodes, and weights [s].
 
-        Gauss-Legendre in x = e^(-p t) of the slowest pole, in which the last cell ends too.
+        Nodes are Gauss-Legendre points of each cell in x = e^(-p t) of the slowest pole; the last
+        cell, endless in time, ends at x = 0.
         """
         slow = self.poles.min()
         x = np.exp(-slow * self.edges)
@@ -521,9 +522,9 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     # The k conditions in another basis (`rows`), orthonormal over the cells and divided by the
     # largest deflection of S in the plane: l then has numbers of one size, and N(l) bounds each of
     # them by `ends`.
-    even, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
+    q, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
     reach = limit_shape.support(moments.axes)
-    rows = (even[: cells.shape[1]] + 1j * even[cells.shape[1] :]).T / reach[:, np.newaxis]
+    rows = (q[: cells.shape[1]] + 1j * q[cells.shape[1] :]).T / reach[:, np.newaxis]
     triangle = triangle * reach[:, np.newaxis]
     d = np.linalg.lstsq(triangle.T, moments.demands, rcond=None)[0]
     size = float(np.abs(d).max())

@@ -203,8 +203,8 @@ class Case:
     def history_at(self, dead_band: float) -> History:
         """Return the wind [rad] as a history, with the gust at the worst time for a dead band K.
 
-        `dead_band`: K in [0, 1], the vehicle is trimmed up to K times the limit. With K = 1 that is
-        `wind_in_plane`, which is kept.
+        `dead_band`: K in [0, 1], the vehicle is trimmed up to K times the limit. With K = 1 it is
+        of `wind_in_plane`, which is cached. Dispersed winds have their nominal values.
         """
         K = number("dead_band", dead_band, between(0.0, 1.0))
         wind = self.wind_in_plane if K == 1.0 else self.wind_in_plane_at(K)

@@ -270,10 +270,10 @@ class RuleResult(Record):
 
     @classmethod
     def of(cls, rule: str, case: StudyPlan, autopilot: Autopilot) -> "RuleResult":
-        """Return the result of an autopilot with the plant and the wind of a case.
+        """Return margins, judged by the criteria of a case, and peak deflection of an autopilot.
 
-        `rule`: name of the rule of its gains. The peak deflection [rad] is NaN for an unstable
-        loop, and where the delay is too long for its approximation.
+        They are with the plant and the wind of the case. `rule`: name of the rule of its gains. The
+        peak [rad] is NaN for an unstable loop, and for a delay too long for its approximation.
         """
         margins, peak = JudgedMargins.of(autopilot, case.plant, case.margin_criteria), nan
         if margins.whole.stable:

@@ -324,7 +324,7 @@ def _cost(
     Rows that miss a criterion of the problem cost at least `UNSATISFIED_COST`. `requirement`:
     function for the deflection of rows that satisfy all criteria, exact below a goal. `points`:
     gains in the unit box, ``(n, axes)``. `pool`: rising costs of the best rows so far; the last is
-    that goal. A row that satisfies them stays below, at most at 0.9 of that cost.
+    that goal. A row that satisfies all criteria costs at most 0.9 `UNSATISFIED_COST`.
     """
     shortfalls = problem.shortfalls(points)
     values = UNSATISFIED_COST + np.maximum(shortfalls, 0.0)

@@ -93,7 +93,7 @@ def unstable_modes(plant: Plant) -> Modes:
 
     Notes
     -----
-    Eq (4b) concerns these. There is one for eqs (5) and (B8); there are two for the exact
+    Eq (4b) is a condition for each of them. There is one for eqs (5) and (B8); two for the exact
     third-order model of an unstable vehicle, three for the fourth-order model, two of them a
     complex pair, and none for a stable vehicle on a fixed path. Poles on the imaginary axis do
     not count.

@@ -564,7 +564,7 @@ def _in_turbulence(
 def _turbulence_notes(
     turbulence: FlightTurbulence | None, law: str, nozzle: Nozzle
 ) -> Iterator[str]:
-    """Yield notes on what counts of turbulence, and what is not known.
+    """Yield notes on how the duty includes turbulence, and on what is not known in it.
 
     `law`: its name. `nozzle`: its rate limit and data.
     """

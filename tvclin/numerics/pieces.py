@@ -101,7 +101,7 @@ class Pieces:
     def batch(self) -> tuple[int, ...]:
         """The leading axes: one history is the batch of shape ``()``."""
         if self.knots.ndim == 1 and self.coefficients.ndim == 3 and self.rates.ndim == 1:
-            return ()
+            return ()  # as below, which takes longer
         return np.broadcast_shapes(
             self.knots.shape[:-1], self.coefficients.shape[:-3], self.rates.shape[:-1]
         )

@@ -258,9 +258,9 @@ def matrices_on_states(matrices: AnyArray, states: AnyArray) -> AnyArray:
 def peak_output(response: Motion, row: AnyArray, horizon: float) -> tuple[float, float]:
     """Return the value of largest size of ``row . state``, with its sign, and its time [s].
 
-    `response`: motion of a system with its input, whose states are meant. `row`: factors on the
-    states of system and input, ``(n,)``. `horizon`: time for which the last piece, which does not
-    end, is followed [s].
+    `response`: motion of a system and of the states that generate its input. `row`: factors on all
+    these states, ``(n,)``. `horizon`: time for which the last piece, which does not end, is
+    followed [s].
     """
     widths = np.append(np.diff(response.knots), horizon)
     values, offsets = piece_peaks(response.matrix, response.starts, widths, row)

@@ -150,6 +150,7 @@ def boundaries(study: Study) -> Table:
         bound = abs(study.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
         head = (*head, "survivable peak [deg]")
+        # NaN: the survivable peak of the other direction of the wind is not computed
         others = [row.survived for row in judged if not row.of_verdict]
         if np.isnan(others).any() and not study.beyond_linear:
             scope = f"; survivable peak of the {study.direction} wind"

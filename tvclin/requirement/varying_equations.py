@@ -251,7 +251,7 @@ class Equations:
         A plant may be a batch ``(n,)``. Constant equations have a single step, with the same E =
         [A b w] at its begin, middle and end.
         """
-        E, slopes = of_pressure(plants)
+        E, slopes = of_pressure(plants)  # slopes: E_1 and E_2, the change of E with q/q_n
         order, columns = E.shape[-2:]  # m states, m + 2 columns of [A b w]
         E = E.reshape(-1, order, columns)
         slopes = slopes.reshape(-1, 1, 1, 2, order, columns)

@@ -165,7 +165,7 @@ def autopilot_as_law(findings: Findings) -> Line:
 def _nominal_requirement(findings: Findings) -> float:
     """Return the autopilot requirement [rad] at nominal dynamic pressure; NaN where not flown.
 
-    `findings`: results of a study plan. Where both planes are judged it counts both.
+    `findings`: results of a study plan. Where both planes are judged it is the limit of both.
     """
     requirement = findings.autopilot_requirement
     return np.nan if requirement is None else requirement.nominal_deflection

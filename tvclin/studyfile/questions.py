@@ -527,9 +527,10 @@ def _also(nominal: bool | None, head: bool | None) -> bool | None:
 
 
 def without_stop(findings: Findings) -> float:
-    """Return the peak deflection [rad] of the autopilot of findings without a stop.
+    """Return the peak deflection [rad] of the autopilot of findings without a deflection limit.
 
-    NaN without an autopilot. Where both planes are judged it counts both.
+    NaN without an autopilot. Where both planes are judged, the peak in the plane is multiplied by
+    `plane_ratio`, the limit of both planes over the limit of this one.
     """
     if findings.comparison is None:
         return float("nan")

@@ -141,8 +141,8 @@ def load_sizing(
         instance("soundings", soundings, Mapping, "of names to SoundingRequest")
     winds = dict(soundings or {})
     if _is_study(source):
-        document = source_tables(source)
-        of_flight = _of_a_vehicle(document) or is_flight(source)
+        # a vehicle or schedule alone, with keys of --set, or a study of a schedule without a time
+        of_flight = _of_a_vehicle(source_tables(source)) or is_flight(source)
         plan = _flight_of_a_vehicle(source, winds) if of_flight else load_study(source)
         sizing = plan.sizing
         if sizing is None:

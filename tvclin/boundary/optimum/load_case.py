@@ -153,16 +153,17 @@ class LoadCase:
         the cells [s], ``(n,)``. `ends`: the deflection at start and end of each cell, minus the
         reference [rad], ``(2, n)``. Returned: ``(n, q)``.
 
-        It is the reference's load, plus M times the difference, plus the sum of c z over the
-        modes: z is summed from node to node, unstable ones backward from their final state, and
-        from the node to each point of the cell.
+        It is the reference's load, plus M (`ratio`) times the difference, plus the sum of c z over
+        the modes (`shares`): z is summed from node to node, unstable ones backward from their final
+        state, and from the node to each point of the cell.
         """
         # x: fractions of a cell
         n, unstable, x = widths.size, self.unstable, np.linspace(0.0, 1.0, reference_load.shape[1])
         column, (start, end) = widths[:, np.newaxis], ends[:, :, np.newaxis]
-        decay, weight, end_weight = convolution_weights(self.rates, column)
+        # from one node to the next: decay, and weights of the deflection at the latter, the former
+        decay, next_weight, weight = convolution_weights(self.rates, column)
         increment = self.sizes * np.where(
-            unstable, -(weight * start + end_weight * end), end_weight * start + weight * end
+            unstable, -(next_weight * start + weight * end), weight * start + next_weight * end
         )
         z = np.zeros((n + 1, unstable.size), dtype=complex)
         z[n] = -self.step_states * ends[1, -1]
@@ -174,11 +175,11 @@ class LoadCase:
         load = reference_load + self.ratio * value
         for i in range(unstable.size):
             distance = 1.0 - x if unstable[i] else x
-            # decay to the point, and weights of the deflection there and at the node
-            fade, close, beyond = convolution_weights(self.rates[i], column * distance)
+            # decay from a node to the point, and weights of the deflection at the point and there
+            decay_to, at_point, at_node = convolution_weights(self.rates[i], column * distance)
             z_from, origin, sign = (z[1:, i], end, -1.0) if unstable[i] else (z[:-1, i], start, 1.0)
-            added = sign * self.sizes[i] * (close * value + beyond * origin)
-            load = load + (self.shares[i] * (fade * z_from[:, np.newaxis] + added)).real
+            added = sign * self.sizes[i] * (at_point * value + at_node * origin)
+            load = load + (self.shares[i] * (decay_to * z_from[:, np.newaxis] + added)).real
         return load
 
     @cached_property

@@ -84,10 +84,10 @@ class LoadProgram:
         return self.case.load(times)
 
     def solve(self, aim: str, bound: float) -> Solution | None:
-        """Return the minimum peak at a load bound, or the minimum load at a peak.
+        """Return the deflection of minimum peak at a load bound, or of minimum load at a peak.
 
-        None if infeasible. `aim`: which is minimised, `PEAK` or `LOAD`. `bound`: of the other
-        [rad].
+        The load [rad] is alpha + M delta. None if infeasible. `aim`: which is minimised, `PEAK` or
+        `LOAD`. `bound`: of the other [rad].
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
@@ -97,7 +97,7 @@ class LoadProgram:
         # bounds of the variables: deflections, states of the modes at the nodes, and the minimised
         if aim == LOAD:
             free[: self._variables] = bound / self._unit
-        else:  # the load in equilibrium is within the bound in wide cells
+        else:  # in cells too long for bounds at nodes alone the equilibrium load is bounded too
             wide, fraction = self._static_bounds
             free[wide] = fraction * bound / self._unit
         bounds, cost = np.column_stack([-free, free]), np.append(np.zeros(free.size - 1), 1.0)
@@ -164,15 +164,16 @@ class LoadProgram:
     def _states(self) -> tuple[Any, FloatArray]:
         """Equality rows, sparse, of the modes' states, and their right sides ``(rows,)``.
 
-        They join the states at neighbouring nodes, and set the final value. With weights w over a
-        cell, an unstable mode is z(start) = decay z(end) - |s| (w_start eta(start) + w_end
-        eta(end)), a stable one z(end) = decay z(start) + |s| (...), eta being the deflection minus
-        the reference; `column` and `matrix` of the case make real numbers of complex pairs.
+        Variables: the deflections, the states z at the nodes but the first, where z is zero, and
+        the minimised one. Rows join the states at neighbouring nodes, and set the final ones. With
+        weights w over a cell an unstable mode is z(start) = decay z(end) - |s| (w_start eta(start)
+        + w_end eta(end)), a stable one z(end) = decay z(start) + |s| (...); eta is the deflection
+        minus the reference. `column` and `matrix` of the case make real numbers of complex pairs.
         """
         from scipy import sparse
 
         case, n = self.case, self.widths.size
-        first, last = self._levels  # from the variables to the deflection at starts, ends of cells
+        first, last = self._levels  # matrices: variables to deflections at starts, ends of cells
         decay, start_weights, end_weights = convolution_weights(
             case.rates, self.widths[:, np.newaxis]
         )

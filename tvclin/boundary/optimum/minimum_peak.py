@@ -449,10 +449,11 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     k = np.real(poles) / np.imag(poles)  # decay sigma/omega, with x = omega u
 
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
-        """Return minus the quotient above at phi = pi/2 - `zero`, over omega (1 + k^2).
+        """Return minus the peak that a direction phi proves, over omega (1 + k^2), ``(c, m)``.
 
-        Its minimum over `zero` gives the peak. `i`: indices of pairs ``(c,)``. `zero`: first zero
-        of the cosine [rad], for each pair.
+        It is -|Re(d e^(-j phi))|/((1 + k^2) integral of e^(-k x) |cos(x + phi)| dx over x > 0).
+        `zero`: first zero x = pi/2 - phi of the cosine [rad], ``(m,)`` or ``(c, m)``. `i`: indices
+        of c pairs.
         """
         toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (zero - 0.5 * np.pi))))
         # integral of e^(-k x) |cos(x + phi)| over x > 0, times 1 + k^2: up to the zero of the

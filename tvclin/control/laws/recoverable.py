@@ -149,6 +149,7 @@ class RecoverableAttitudeLaw(Law):
             peak=np.inf if self.design_peak is None else self.design_peak,
             trust=self.trust,
             dead_band=self.dead_band,
+            # reach times the rate limit over B and the fast pole [rad]
             rate_travel=self.reach * rate_limit_angle(self.plant, self.rate_limit),
             estimates=self.estimator is not None,
         )

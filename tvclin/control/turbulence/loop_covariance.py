@@ -228,7 +228,8 @@ class LoopCovariance(GaussianOutputs):
     def exceedance(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the fraction of time in which ``|output|`` is above a limit.
 
-        In Gaussian motion a nozzle with this deflection limit has that fraction less gain (the
+        With samples it is the mean over the phases of a sample, with the weights `_weights`. In
+        Gaussian motion a nozzle with this deflection limit has that fraction less gain (the
         random-input describing function of a saturation): where it is more than a percent or so,
         the loop is linear no more, see `tvclin.ensembles.fly_turbulence`. `InputError` for an
         unknown output and a limit that is not positive.

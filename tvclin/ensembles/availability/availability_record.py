@@ -377,8 +377,9 @@ class Availability(Tabled):
         """Return the `SurvivalFraction` of selected soundings with a limit [rad], by azimuth.
 
         `which`: whether a sounding is selected, ``(n,)``. `unknown`: verdict that unknown soundings
-        count as: 1 flown, 0 not flown; NaN keeps them out of the fraction. The lower bounds of the
-        required deflections have the autocorrelation if all verdicts are alike.
+        count as: 1 flown, 0 not flown; NaN keeps them out of the fraction. Its confidence interval
+        allows for the autocorrelation of the verdicts, or, where all verdicts are alike, of the
+        lower bounds of the required deflections.
         """
         times = self.soundings.times[which]
         season = (12 * self.soundings.years + self.soundings.months)[which]  # each month by itself

@@ -349,7 +349,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
         laws=Laws([numbers or LawNumbers() for numbers in batch.laws.numbers], *memory, noise),
         cases=cases,
         now=now,
-        track=np.full((rows, N + 4), np.nan),
+        track=np.full((rows, N + 4), np.nan),  # states, command, deflection, limited, begin
     )
 
 

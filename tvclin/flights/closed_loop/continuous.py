@@ -602,9 +602,9 @@ def _flight_end(max_attitude: float) -> Any:
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:
         """Return the smaller distance of states and attitude to their limits; negative beyond.
 
-        The limit of the states, of any unit, is only a size that no vehicle reaches: in a valid
-        flight this is the distance of the attitude [rad]. `t` and `regime` are not used: the rule
-        is the same at all times, and `solve_ivp` passes them.
+        The limit `LOST` of the states, of any unit, is a size that no vehicle reaches: in a valid
+        flight this is the distance of the attitude [rad] to `max_attitude`, times `beyond`, a
+        little above one. `t` and `regime` are not used: `solve_ivp` passes them.
         """
         to_loss = LOST * beyond - float(np.abs(states).max())
         return min(to_loss, max_attitude * beyond - abs(float(states[0])))

@@ -106,9 +106,9 @@ def fly(
     -----
     Without a sample rate, the solver restarts at the breakpoints of the wind, the switches of the
     law, and where deflection or rate reach or leave their limit, however briefly. The attitude is
-    exact to about 1e-9 of its largest value, to 1e-8 with a law that leans; a flight that is nearly
-    lost multiplies both. With a sample rate, samples in which the nozzle reaches no limit are
-    exact; `fly_many` describes the others and their accuracy. A late gust is never missed.
+    exact to about 1e-9 of its largest value, to 1e-8 with a `RecoverableAttitudeLaw`; a flight that
+    is nearly lost multiplies both. With a sample rate, samples in which the nozzle reaches no limit
+    are exact; `fly_many` describes the others and their accuracy. A late gust is never missed.
 
     Examples
     --------

@@ -307,7 +307,8 @@ def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
         f = start._replace(cases=Cases._make(cases), now=FlightStates._make(now))
         f.cases.limit[:] = limits
         finish(f, flight.laws)
-        return flown_cases(f, np.ones(limits.shape, bool), unstable_loops(flight, f)).status
+        possible = np.ones(limits.shape, bool)  # the flight itself is decidable, whatever its limit
+        return flown_cases(f, possible, rings=unstable_loops(flight, f)).status
 
     return status
 

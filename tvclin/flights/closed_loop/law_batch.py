@@ -204,7 +204,7 @@ def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: i
     first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]
     law = connect(blocks, (*SENSED, LAW_OUTPUT), (first, *LAW_INPUTS[1:], RETURNED))
     n, wide = len(law.states), size + MEASURED + 1
-    columns = [*range(n), *range(size, wide)]
+    columns = [*range(n), *range(size, wide)]  # of the states without the padding, and the inputs
     rows = np.zeros((lengths.size, size + MEASURED + 1, wide))
     rows[:, :n, columns] = join_columns(law.A, law.B)
     rows[:, size:, columns] = join_columns(law.C, law.D)

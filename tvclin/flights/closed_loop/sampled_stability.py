@@ -292,11 +292,11 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
 def _response(batch: Batch, name: str, samples: float) -> Response:
     """Return the response l(z) of an opened loop as a function of the angle of z = e^(j theta).
 
-    The loop with a factor on the gain or the effectiveness is at its stability limit where factor
-    times l is 1. The step is A + g D with the gain g: A is the step without the law, D its effect
-    (`A_1`, `D_1`; `dA`, `dD` are their changes when the effectiveness rises by one). `batch`: one
-    flight. `name`: "gain" or "effectiveness". `samples`: whole samples of further delay. l is the
-    trace of (z - M_0)^-1 (M_1 - M_0), M_0 and M_1 being the steps for the factors zero and one.
+    l is the trace of (z - M_0)^-1 (M_1 - M_0), M_0 and M_1 being the steps for the factors zero and
+    one on the gain or the effectiveness (`name`). M_1 - M_0 has rank one, so that the loop is at
+    its stability limit where factor times l is 1. The step is A + g D with the gain g: A is the
+    step without the law, D its effect (`A_1`, `D_1`; `dA`, `dD` are their changes when the
+    effectiveness rises by one). `batch`: one flight. `samples`: whole samples of further delay.
     """
 
     def step(gain: float, effectiveness: float) -> FloatArray:
@@ -311,10 +311,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         dD = step(1.0, 2.0) - M_1 - dA
 
     def response(angles: Any) -> ComplexArray:
-        """Return l at angles [rad] of z on the unit circle, in their shape.
-
-        l is the trace of (z - M_0)^-1 (M_1 - M_0), M_0 and M_1 being the steps for factors 0 and 1.
-        """
+        """Return l at angles [rad] of z on the unit circle, in their shape."""
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples
         M_1 = A_1 + delay * D_1

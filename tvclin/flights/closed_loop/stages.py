@@ -577,12 +577,13 @@ class Stages:
     def vehicles(self) -> Vehicles:
         """Sensor rows and outcome criteria of the vehicles of all samples.
 
-        The state matrix A and the column of the wind in B (`gust`) are set in samples next to a
-        knot of the wind, where the wind changes within the sample, or in all. `fastest` is the size
-        of the largest pole [1/s] at the breakpoints of a flight, the same in all its samples.
+        The state matrix A and the column of the wind in B (`gust`) are set in all samples if
+        `_arrays` has them, else in the samples next to a knot of the wind, within which it changes.
+        `fastest` is the size of the largest pole [1/s] at the breakpoints of a flight, the same in
+        all its samples.
         """
         arrays, moving = self._arrays, self.sensors.system(self.plants)
-        # `plants` are at the breakpoints of each flight, and at last in the samples next to knots
+        # the first of `plants` are at the breakpoints of each flight, the last next to knots
         starts = np.cumsum([0, *(times.size for times in self.vehicle_breaks)])
         poles = np.abs(np.linalg.eigvals(moving.A[: starts[-1]])).max(axis=-1)
         fastest = np.maximum.reduceat(poles, starts[:-1])[self.flight]

@@ -282,10 +282,10 @@ class LoopOverFlight:
 
     @cached_property
     def gains(self) -> Autopilot | GainSchedule:
-        """The autopilot along the flight.
+        """The autopilot along the flight, as specified, or else with gains that a rule designs.
 
-        An autopilot that is given is taken. Else a rule designs gains at even times of the flight
-        and at the flight times, or at the flight times alone where it cannot at the others.
+        They are designed at even times of the flight and at the flight times, or at the flight
+        times alone where that is not possible at the others.
         """
         case = self.case
         if case.controller is not None:

@@ -223,12 +223,13 @@ def place_vector(
 ) -> dict[str, PlacedWind]:
     """Return the components of a wind placed at a flight time [s], by plane.
 
-    `vehicle`: vehicle at this time. `placing`: "peak" for a wind whose peak is moved to this time,
-    "flight" for a wind in flight time, which counts within half a `window` [s] of it.
+    `wind`: a measured wind, a `PlaneWind`, or a function from the vehicle to one. `vehicle`:
+    vehicle at this time. `placing`: "peak" for a wind whose peak is moved to this time, "flight"
+    for a wind in flight time, which counts within half a `window` [s] of it.
     """
     if isinstance(wind, MeasuredPlanes):
-        measured = {plane: wind.component(plane, vehicle) for plane in PLANES}
-        calm, *_ = (x.wind * 0.0 for x in measured.values() if x is not None)  # one is not None
+        measured = {plane: wind.component(plane, vehicle) for plane in PLANES}  # None: calm
+        calm, *_ = (x.wind * 0.0 for x in measured.values() if x is not None)
         first, last = wind.known
         return {
             plane: PlacedWind(calm, zero=0.0, known=first <= time <= last)
@@ -246,7 +247,7 @@ def place_vector(
     components = {plane: getattr(vector, plane) for plane in PLANES}
     if placing == PEAK:
         samples = np.union1d(vector.pitch.probe_times(), vector.yaw.probe_times())
-        zero = time - _middle_of_peak(vector, samples)
+        zero = time - _middle_of_peak(vector, samples)  # flight time of the wind's time zero
         return {plane: PlacedWind(history, zero) for plane, history in components.items()}
     return {
         plane: place(history, vehicle, time, placing, window)

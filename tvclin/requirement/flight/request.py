@@ -459,7 +459,7 @@ class SizingRequest:
             """Return the case of a flight time [s] in pulse number k."""
             return self.at(case, time, pulses[k])
 
-        with repeated(result.known.size):  # each pulse as head and tail wind, at its pressure
+        with repeated(result.known.size):  # similar calls: compiled where that pays for all of them
             return with_directions(result, len(pulses), at, self._mode(case, result))
 
     def _gaps(self, times: FloatArray) -> tuple[str, ...]:
