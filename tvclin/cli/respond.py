@@ -260,7 +260,8 @@ def _title(trim: BoundedTrim) -> str:
 def _print(trim: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool) -> None:
     """Print the outcome with the limit, and the largest motions; with `more`, all notes.
 
-    `shown`: end of the shown response, and its reason.
+    `shown`: end of the shown response, and its reason. `see_study`: required deflection of the
+    study in a clause.
     """
     wind_covered = _covers_the_wind(trim, shown)
     caption = f"{trim.case.vehicle.name}: exact response\n{trim.words}"

@@ -214,6 +214,7 @@ def keys_of_arguments(settings: Iterable[str] | None) -> dict[str, str]:
     set_keys = [key for key, _ in pairs(settings)]
     tables = {key.partition(".")[0] for key in set_keys}
     keys_of_tables = [key.name for key in all_keys() if key.name.rpartition(".")[0] in tables]
+    # by the name without table and unit; of equal names the last replaces the others, so reversed
     return {_quantity(key): key for key in reversed([*set_keys, *keys_of_tables])}
 
 

@@ -367,7 +367,7 @@ def _remaining_lag(loop: AnyLoop, omega: FloatArray) -> FloatArray:
 
 
 def _polished_phase_crossover(loop: AnyLoop, omega: FloatArray) -> FloatArray:
-    """Return phase crossovers ``(k,)`` [rad/s] after one Newton step.
+    """Return phase crossovers ``(k,)`` [rad/s], where L is real and negative, by one Newton step.
 
     `loop`: k loops. `omega`: an estimate for each, ``(k,)``.
     """
