@@ -418,7 +418,7 @@ def fly_sampled(
         wind=wind,
         survived=None if beyond else status[0] == SURVIVED,
         predicted=None if beyond else status[1] == SURVIVED,
-        let_go=(np.inf, np.inf),
+        let_go=(np.inf, np.inf),  # a law, unlike the report's control, holds no limit for ever
         status=(status[0], status[1]),
         peak_rates=(float(cases[0].peak_deflection_rate), float(cases[1].peak_deflection_rate)),
     )

@@ -205,9 +205,11 @@ class Replay:
     def _extremes(
         self, response_in: "Callable[[str], TimeResponseData]", names: tuple[str, ...]
     ) -> dict[str, float]:
-        """Return the largest angles [deg] of responses in all planes, and their ends [s], by name.
+        """Return the largest angles [deg] of responses in all planes, and end times [s], by name.
 
-        `response_in`: function from a plane to the response. `names`: names of the angles.
+        A response ends where its attitude is beyond `MAX_SHOWN_ATTITUDE`. In two planes the names
+        begin with the plane. `response_in`: function from a plane to the response. `names`: names
+        of the angles.
         """
         planes = {plane: _extremes(partial(response_in, plane), names) for plane in self.planes}
         if len(planes) < 2:

@@ -629,11 +629,11 @@ def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
     coefficients, rates = pieces.coefficients[k, :, ::-1].tolist(), pieces.rates.tolist()
 
     def value(t: Any) -> Any:
-        """Return the piece at times `t` [s], each polynomial by Horner's rule."""
+        """Return the sum of polynomial(t - knot) e^(rate (t - knot)) of the piece at times [s]."""
         u, total = t - knot, 0.0
         for polynomial, rate in zip(coefficients, rates, strict=True):
             term = 0.0 * u
-            for coefficient in polynomial:
+            for coefficient in polynomial:  # Horner's rule, highest power first
                 term = term * u + coefficient
             total = total + (term * np.exp(rate * u) if rate else term)
         return np.real(total)

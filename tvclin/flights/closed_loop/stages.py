@@ -185,21 +185,23 @@ class Stages:
         # `order` states of vehicle and nozzle; N in `Steps`
         order, memory, cases = steps.joint.shape[2], self._memory, self._cases(batch)
         now = equilibrium(
-            cases.limit.size,
-            self.vehicles.A.shape[1],
-            steps,
-            pieces.shape[2],
-            memory.states.shape[1],
+            m=cases.limit.size,
+            n=self.vehicles.A.shape[1],
+            steps=steps,
+            terms=pieces.shape[2],
+            memory=memory.states.shape[1],
         )
         # index of the last breakpoint of the wind that is not after the start
         now.piece[:] = (knots[cases.wind] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
+        # rows of the track: one for each substep of the samples of a single flight
         samples = int(self.samples[self.flight_of_wind[cases.wind[0]]])
         rows = int(steps.substeps[0].sum()) * samples if track else 0
+        no_noise = np.zeros((1, 0))
         return Flights(
             steps=steps,
             vehicles=self.vehicles,
             winds=Winds(knots, pieces),
-            laws=Laws(self._law_rows, *memory, np.zeros((1, 0))),
+            laws=Laws(self._law_rows, *memory, no_noise),
             cases=cases,
             now=now,
             track=np.full((rows, order + 4), np.nan),
@@ -414,7 +416,7 @@ class Stages:
         `places`: times [s] ``(places, m)``: the first Gauss points of each part of a sample, the
         second ones, the starts of the samples, and perhaps their middles. `flight`, `pressure`:
         indices of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places
-        include the middles, and the matrices A and gust input there. Step matrices are those of the
+        include the middles, for the matrices A and gust input there. Step matrices are those of the
         constant system that equals the varying one over a part to fourth order, from its values at
         both Gauss points. Names: joint, ramp and fine as in `Steps`; shown, A and gust as in
         `Vehicles`.
@@ -447,14 +449,15 @@ class Stages:
             return constant_over_steps(first, second, lengths)
 
         plant = at_place(2 * len(lengths))  # at the starts: after two Gauss points of each part
-        driven = at_nodes(connect(blocks, INPUTS[:1], ()))
+        driven = at_nodes(connect(blocks, INPUTS[:1], ()))  # from the command, with nozzle and wind
         steps = steps_of(driven, at_nodes(with_ramp(system)), plant, timing, terms)
         arrays = {"joint": steps.joint, "ramp": steps.ramp, "shown": sensed_rows(plant)}
         if steps.fine is not steps.joint:
             arrays["fine"] = steps.fine
         if middle:
-            moving = at_place(len(places) - 1)
-            arrays |= {"A": moving.A, "gust": np.ascontiguousarray(moving.B[..., 1])}
+            plant_in_middle = at_place(len(places) - 1)
+            gust_input = plant_in_middle.B[..., 1]
+            arrays |= {"A": plant_in_middle.A, "gust": np.ascontiguousarray(gust_input)}
         return arrays
 
     @cached_property
