@@ -115,7 +115,10 @@ class Motion:
         return np.diff(self.times)
 
     def between(self, start: float, stop: float) -> Self | None:
-        """Return the motion from `start` to `stop` [s]; None where it has fewer than two steps."""
+        """Return the motion from `start` to `stop` [s]; None where it has fewer than two steps.
+
+        Its largest acceleration is that at the times `at` of its steps, one in each.
+        """
         inside = np.flatnonzero((self.times[:-1] >= start) & (self.times[1:] <= stop))
         if inside.size < 2:
             return None

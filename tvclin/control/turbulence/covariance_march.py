@@ -93,8 +93,11 @@ class VaryingLoop:
             return values[0] if constant else _values_at(values, first, weights)
 
         def signal(output: str) -> Signal:
-            """Return row, direct term and rate of the output called `output` at the times."""
-            row, direct, rate = self._nodes.signal(output)
+            """Return the rows on the states and direct terms of an output and its rate, over time.
+
+            The rate of y = row x is row x' + row' x, row' being the slope of the row over time.
+            """
+            row, direct, rate = self._nodes.signal(output)  # at the nodes; rate: such a pair
             if rate is not None:
                 rate_row, rate_direct = rate
                 rate = varying(rate_row + self._slopes(row)), varying(rate_direct)

@@ -470,8 +470,10 @@ class LineWinds:
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
         position = (knots - ends[0]) / length  # in steps
         onset = np.clip(position[:, 0], 0.0, np.nextafter(float(steps), 0.0))
+        # index of the first end of a step not before each knot, counted on from wind to wind, and
+        # how many lines of each wind begin at each end
         first = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
-        first += (steps + 2) * np.arange(n)[:, np.newaxis]  # the first end not before each knot
+        first += (steps + 2) * np.arange(n)[:, np.newaxis]
         begun = np.bincount(first.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
         # the straight line of each wind on which each end of a step lies
         line = np.clip(np.cumsum(begun, axis=1)[:, :-1] - 1, 0, k - 2)

@@ -79,6 +79,7 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
     ]
     first = _first_requirements(sizing)
     suffix = "" if wind is None else f": {sizing.winds[wind]}"
+    # heads and cells of the last columns, on how far a number of the first table is valid
     validity = ("",) if wind is None else ("change [%]", "one pole", "data")
     marks = [_validity_cells(sizing, i, wind) for i in range(sizing.times.size)]
 
