@@ -316,6 +316,7 @@ class SoundingWind(VehicleWind):
     def history(self, vehicle: Any, plane: str) -> History:
         """Return the wind angle of attack [rad] of a vehicle in a plane, pitch or yaw.
 
+        It is over flight time if the field `in_flight` is true, else over the time since its onset.
         `InputError` for a vehicle without a time of flight, and for a wind that is calm or not
         known at its time.
         """

@@ -452,9 +452,9 @@ class LoadLimits:
     def set_by(self, load: float, limit: float) -> str:
         """Return the label of the condition that sets a `limit` [rad] at a bound `load` [rad].
 
-        The load is ``alpha + M delta``, M is `case.ratio`. One of the minimum angle at any load,
-        turning into the wind in time (known without M and rate limit), and both together; or the
-        minimum load, where no limit is sufficient.
+        One of the minimum angle at any load, turning into the wind in time, and both together; or
+        the minimum load, where no limit is sufficient. Turning alone is judged where the load is
+        the angle of attack (M, `case.ratio`, the load per deflection, is zero) without rate limit.
         """
         if load < self.load_floor:
             return LEAST_LOAD

@@ -143,7 +143,8 @@ class PlanePair:
         It is the constant deflection from `t` on that cancels the excitation of these modes by the
         wind from `t` on.
         """
-        (pitch_factor, *_), (yaw_factor, *_) = self._strengths  # of the fastest modes [1/s]
+        # factors -B K1 p [1/s] from integral to demand, of the fastest modes
+        (pitch_factor, *_), (yaw_factor, *_) = self._strengths
         _, (pitch, yaw) = self._remaining_integrals  # of the wind
         return np.asarray(pitch_factor * pitch(t) + 1j * (yaw_factor * yaw(t)))
 

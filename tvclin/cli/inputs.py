@@ -121,12 +121,12 @@ def note_single_time(source: str, time: float | None) -> None:
 
 
 def note_source(source: str, question: str) -> None:
-    """Print the notes of `case_of` on a study or vehicle file, or on what is set of a flight.
+    """Print on stderr what a question neglects of a file, and other notes on reading it.
 
-    `question`: name of the question whose omissions are noted.
+    `source`: a vehicle, study or campaign file, or a flight schedule. `question`: its name.
     """
     if is_flight_with_keys(source) or is_flight(source):
-        with suppress(InputError):  # a file without [schedule], of which availability has its own
+        with suppress(InputError):  # a file without [schedule], which availability reads itself
             note_omissions(load_sizing(source), question)
         return
     # called for its notes on stderr alone

@@ -384,7 +384,11 @@ class _Answer:
         return f"{survival(False)} with {limit:g} deg, {NOMINAL}"
 
     def document(self) -> dict[str, Any]:
-        """Return the margins, the criteria and the verdict as a document for JSON."""
+        """Return the margins, the criteria and the verdict as a document for JSON.
+
+        Margins in flight, with their wind, are in it if flights were flown (`in_wind`), and the
+        verdict on a flight that is lost without any change (`_lost`) in their place.
+        """
         case = self.case
         wind = {"name": self.wind, **document(case.history, "peak")}
         further = {

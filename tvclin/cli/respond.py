@@ -241,7 +241,7 @@ def respond(
 
 
 def _curves(trim: BoundedTrim, times: FloatArray) -> "Curves":
-    """Return the curves of the response over times [s]."""
+    """Return the curves of a case's response to wind and deflection, `trim`, at `times` [s]."""
     from tvclin.plots import response_curves
 
     deflection, wind = trim.deflection, trim.wind

@@ -120,10 +120,10 @@ def counts_head(need: CaseRequirement) -> bool:
 def head_wind_boundary(
     case: Case, autopilot: Autopilot, need: CaseRequirement, plane_ratio: float = 1.0
 ) -> ClosedLoopBoundary | None:
-    """Return the boundary of an autopilot at the peak of a head wind; None if not flown.
+    """Return the boundary of an autopilot, flown at the dynamic pressure of a head wind's peak.
 
-    `need`: requirement of the wind of `case`. `plane_ratio`: limit of both planes over the
-    limit of this plane. None also where the dynamic pressure is not known.
+    None where a head wind does not set the requirement `need` of the wind of `case`, and where the
+    dynamic pressure is not known. `plane_ratio`: limit of both planes over the limit of this plane.
     """
     if not counts_head(need):
         return None

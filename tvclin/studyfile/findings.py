@@ -445,10 +445,10 @@ def _in_a_head_wind(
         denser = _with_load_of(at_peak_pressure(plan, study), plan)
         rates = _rates(denser, study, limit) if plan.nozzle.rate_limit else None
         if denser.load is not None:
-            fraction = 1.0 / study.plane_ratio
+            fraction = 1.0 / study.plane_ratio  # share of the limit that this plane has
             loads = denser.load.trade_off(denser, fraction, only_bound=True)
     if plan.turbulence is not None:
-        with suppress(InputError):
+        with suppress(InputError):  # by itself: rates or loads may not be defined
             denser = _with_load_of(at_peak_pressure(plan, study), plan)
             _, autopilot = loop()  # flown with the plant at the higher dynamic pressure
             turbulence = _turbulence(

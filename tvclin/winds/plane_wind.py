@@ -225,7 +225,8 @@ class PlaneWind:
     def _terms(self) -> tuple[AnyArray, AnyArray]:
         """Coefficients of pitch and yaw on common knots and rates, ``(..., m)`` each.
 
-        Adding zero times the other wind gives each the knots and rates of both.
+        m counts all pieces, rates and powers of time. Adding zero times the other wind gives each
+        the knots and rates of both.
         """
         pitch, yaw = self.pitch.pieces, self.yaw.pieces
         zero = [(0.0 * wind).pieces for wind in (self.pitch, self.yaw)]

@@ -200,11 +200,12 @@ class LoadProgram:
 
     @cached_property
     def _loads(self) -> tuple[Any, FloatArray, FloatArray]:
-        """Rows of the load over all variables, and its largest and smallest value without them.
+        """Rows of the load over all variables, and the largest and smallest load with these zero.
 
-        "Without" means with all variables zero. The rows are at the nodes, where that load is taken
-        on both sides; with a load of the deflection itself (M), which may jump there, at both ends
-        of each cell. `shares` of the case are the factors from modes to the load.
+        Variables: values of the deflection, states of the modes at the nodes, and what is
+        minimised. The rows are at the nodes, where the load with zero variables is taken on both
+        sides; where the deflection itself adds to the load (M) and may jump, at both ends of each
+        cell. `shares` of the case are the factors from modes to the load.
         """
         from scipy import sparse
 

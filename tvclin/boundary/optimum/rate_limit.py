@@ -118,11 +118,13 @@ class RateProgram:
         return np.append(0.0, result.x[: self.nodes.size - 1]), prices
 
     def minimum_motion(self, peak: float) -> FloatArray | None:
-        """Return the deflection over `unit` of least total change within a peak, at the k nodes.
+        """Return the deflection of least total change within a peak, at the k nodes, over `unit`.
 
-        None if infeasible. A linear program satisfies the conditions to its tolerance, 1e-7: each
-        further one corrects the solution, for 1e8 times its residual. `peak`: bound over `unit`.
+        `unit` is the unit [rad] of the program's values, `peak` the bound in it. None if
+        infeasible. A linear program satisfies the conditions to its tolerance, 1e-7: each further
+        one corrects the solution, for 1e8 times its residual.
         """
+        # that of minimum peak if the bound is below it by rounding
         result = self._solve(_MOTION, peak) or self._solve(_PEAK)
         if result is None:
             return None

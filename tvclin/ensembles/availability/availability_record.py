@@ -180,7 +180,7 @@ class Availability(Tabled):
         )
 
     def by_month(self) -> dict[int, Any]:
-        """Return the fraction that flies by month, in the hours of the archive."""
+        """Return the fraction that flies, as `fraction`, by month from 1 to 12 in local time."""
         months = self.soundings.months
         return {
             month: self._fractions(self.limit, months == month)

@@ -187,7 +187,8 @@ def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
 def _slopes_of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
     """Return the derivatives of a demand by measurements and law states, ``(8 + s,)``.
 
-    The last row of points is the origin, from which the others differ in one number. `numbers`:
+    By forward differences: the last of the points in `rows` is the origin, each other one has a
+    single number `small`. `numbers`:
     numbers of the law. `small`: finite difference. `limit`: deflection limit [rad]. `width`: 8
     measurements and s states.
     """
@@ -199,7 +200,8 @@ def _slopes_of_numbers(numbers: LawNumbers, small: float, limit: float, width: i
 def _slopes_of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
     """Return the derivatives of m demands by measurements and law states, ``(m, 8 + s)``.
 
-    The last row of points is the origin, from which the others differ in one number. `law`: law in
+    By forward differences: the last of the points in `rows` is the origin, each other one has a
+    single number `small`. `law`: law in
     Python. `small`: finite differences, ``(m,)``. `limit`: deflection limits [rad], ``(m,)``.
     `width`: 8 measurements and s states.
     """

@@ -405,7 +405,7 @@ def closed_loop_boundary(
     worst, fastest = dominant_pole(batch), float(modes.poles[0])
     unstable = worst.real > _MIN_GROWTH_OVER_POLE * fastest
     reasons = [scan.status] if scan.status != OK else []
-    if unstable:  # slow ones count as real
+    if unstable:  # a slow oscillation counts as a real mode
         oscillates = worst.imag > MIN_FREQUENCY_OVER_POLE * fastest
         mode = f"an oscillation of {worst.imag:.3g} rad/s" if oscillates else "a real mode"
         reasons.append(f"near rest {mode} grows with {worst.real:+.3g} 1/s")

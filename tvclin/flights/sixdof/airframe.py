@@ -364,10 +364,10 @@ class Airframe:
         """Return the `OUTPUTS` of a flight in both planes [rad, rad/s], ``(m, 2, 5)``.
 
         They are deviations from the nominal flight, which is straight: parameters are frozen, over
-        a flat planet. The flight ends after the first attitude beyond
-        25 deg or number that is not finite. `steering`: function from the predicted measurements in
-        pitch and yaw to both deflections [rad]. `speeds`, `angles`: wind along the flight and to
-        its right [m/s], and as angles [rad], ``(2, n)``; the first are zero. `sensors`: lateral
+        a flat planet. The flight ends after the first attitude beyond 25 deg or number that is not
+        finite. `steering`: function from the predicted measurements in pitch and yaw to both
+        deflections [rad]. `speeds`, `angles`: wind along the flight and to its right [m/s], and as
+        angles [rad], ``(2, n)``, at each step; those at the start are zero. `sensors`: lateral
         sensors of the law.
         """
         self._restart()

@@ -207,8 +207,8 @@ class LateralMotion:
     def measured(self, plain: Measurement) -> Measurement:
         """Return the measurements at the end of the next step, of lateral motion too.
 
-        Measurements without a sensor are zero; the force is extrapolated from the last two steps.
-        `plain`: the predicted measurements without them.
+        Measurements without a sensor are zero; the force per mass on the accelerometer [m/s^2] is
+        extrapolated from the last two steps. `plain`: the predicted measurements without them.
         """
         sensors, rate = self._sensors, self._speed * sin(plain.flight_path_angle)
         extrapolated = 2.0 * self._force - self._last_force

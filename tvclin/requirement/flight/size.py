@@ -68,8 +68,8 @@ def two_plane_sizing(
 
     `parts`: sizing of each plane. `vehicles`: by flight time, ``(n,)``. `placed`: winds by plane,
     by flight time and wind. `limit_shape`: shape of the limit in both planes. `counted`: function
-    that returns its argument and counts it for the progress. Fields are those of `Sizing`; of
-    warnings (change, covered, slow_mode, edge) the plane that is worse counts.
+    that returns its argument and counts it for the progress. Of fields of `Sizing` that warn
+    (change, covered, slow_mode, edge) the plane that is worse counts.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
     bands = pitch.dead_bands
