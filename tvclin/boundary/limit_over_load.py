@@ -280,30 +280,30 @@ class LoadLimits:
     @cached_property
     def minimum_load(self) -> float:
         """Minimum load [rad] of a computed control at any deflection, or what a jump leaves."""
-        if not self._programmed:
+        if not self._requires_programs:
             return self.load_floor
         load, _ = self._minimum_load
         return max(load, self.load_floor)  # rounding is not below the floor
 
     @cached_property
     def load_floor(self) -> float:
-        """Proved lower bound [rad] of the load of every deflection; zero without one.
+        """Proved lower bound [rad] of the load |alpha + M delta| of every control; zero if none.
 
         With M (`case.ratio`) zero the load is the angle of attack, which jumps with the wind: a
-        jump leaves its size at the onset, else half of it.
+        load before the jump may halve it, except at the onset. A linear program may prove more.
         """
         jumped = 0.0
         if self.case.ratio == 0.0:
             wind, knots = self.case.wind, self.case.wind.knots
             jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
             jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
-        if not self._programmed:
+        if not self._requires_programs:
             return jumped if jumped > _NEGLIGIBLE_LOAD * self.load_of_minimum else 0.0
         _, proved = self._minimum_load
         return max(jumped, proved)
 
     @property
-    def _programmed(self) -> bool:
+    def _requires_programs(self) -> bool:
         """Whether the minimum load takes linear programs, and is not just a jump of the wind.
 
         It does with M (`case.ratio`) other than zero, a rate limit, or several unstable modes.

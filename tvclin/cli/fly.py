@@ -119,6 +119,7 @@ class EngineOptions:
         in_file = self.engine is None and self.dead_band is None
         in_file &= not case.autopilot_design.unspecified
         law = self.law or (AUTOPILOT if in_file or law_options.has_gains(source) else None)
+        # name of the engine, and "-varying" if its parameters vary, else empty
         engine, suffix, _ = (self.engine or "").partition(_VARYING)
         if not engine:
             rigid = isinstance(case.vehicle, Vehicle) and case.vehicle.structure is None

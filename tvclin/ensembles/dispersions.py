@@ -69,6 +69,7 @@ class Dispersion:
             return normal
         if self.shape == "uniform":
             return np.asarray(2.0 * ndtr(normal) - 1.0)
+        # truncated normal: probabilities between those of its two ends
         ends = ndtr(np.array([-_MAX_NORMAL_DEVIATE, _MAX_NORMAL_DEVIATE]))
         return np.asarray(ndtri(ends[0] + (ends[1] - ends[0]) * ndtr(normal)))
 

@@ -116,7 +116,8 @@ def wind_response_of(
     ends = np.einsum("i,kij,kj->k", wind_row, steps, starts[:-1])
     values, before = starts @ wind_row, np.append(0.0, np.real(ends))
     jumps = np.abs(np.real(values) - before) > _RELATIVE_JUMP * np.abs(values).max(initial=0.0)
-    return WindResponse(labels, motion, rows, settling_time, (D != 0.0) & np.any(jumps))
+    output_jumps = (D != 0.0) & np.any(jumps)
+    return WindResponse(labels, motion, rows, settling_time, output_jumps)
 
 
 def peaks_in_winds(

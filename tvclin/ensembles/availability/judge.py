@@ -123,7 +123,7 @@ class Judge:
         pressure: bool,
         **options: Any,
     ) -> Judge:
-        """Return the judge of a flight.
+        """Return the judge of a flight, which computes what soundings require in it.
 
         `plane`: pitch, yaw or both. `model`: name of the linear model. `azimuths`: directions of
         flight [rad], ``(a,)``. `growth`: growth of winds until launch. `gust`, `gust_speed`: gust

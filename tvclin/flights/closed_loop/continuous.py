@@ -204,7 +204,8 @@ class Loop:
 
         `regime`: active limits of law and nozzle. The states are of the vehicle, the nozzle
         (`servo`, its order) and the law, in this order; `memory` is F, G of the law's m' = F m + G
-        measurements. `InputError` for a command that is not finite.
+        measurements. The nozzle has s' or s'' of `pull` [rad/s, rad/s^2], s being its deflection,
+        unless its rate is at the limit. `InputError` for a command that is not finite.
         """
         order = self.order
         measured = self.measured(t, states, regime)

@@ -59,10 +59,10 @@ def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
 def decidable(plant: AnyPlant) -> BoolArray:
     """Return whether flights of each plant have an outcome, in the shape of the batch.
 
-    They have for one or two real unstable poles and a control moment, which is where the reach of
-    their recoverable set is finite and positive.
+    They have for one or two real unstable poles and a control moment, where the reach of the
+    recoverable set, its largest unstable coordinate over the limit, is finite and positive.
     """
-    reach = _unstable_poles(plant)[-1]
+    _, _, reach = _unstable_poles(plant)  # 1/|B|, the angle of attack that a unit deflection trims
     return (np.isfinite(reach) & (reach > 0.0)).reshape(plant.batch)
 
 

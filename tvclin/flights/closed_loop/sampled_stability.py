@@ -313,7 +313,11 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         dD = step(1.0, 2.0) - M_1 - dA
 
     def response(angles: Any) -> ComplexArray:
-        """Return l at angles [rad] of z on the unit circle, in their shape."""
+        """Return l, the trace of (z - M_0)^-1 (M_1 - M_0), at angles [rad] of z, in their shape.
+
+        M_1 = A_1 + z^-n D_1: step without the law, and its effect, n `samples` later; M_1 - M_0 is
+        the change of the step from factor 0 to 1.
+        """
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples
         M_1 = A_1 + delay * D_1

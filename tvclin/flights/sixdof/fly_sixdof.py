@@ -344,8 +344,8 @@ def planes_verdict(
     def survives(limit: float) -> bool:
         """Return whether the vehicle survives the wind with a deflection limit [rad].
 
-        It does if its attitudes and the magnitude of its attitude rates in both planes are small at
-        the end of the flight.
+        It does if at the end of the flight its attitudes are within `MAX_ATTITUDE`, and the
+        magnitude of its attitude rates in both planes is small against peak of wind times `pole`.
         """
         with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
             steering = _steering(law, limit, step)

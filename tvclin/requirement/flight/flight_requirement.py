@@ -258,9 +258,10 @@ class FlightMode:
         return not (self._changes_sign(begin, end) or self.has_pair(begin, end))
 
     def has_pair(self, begin: float, end: float) -> bool:
-        """Return whether trim must never be limited for a while in a wind, since poles are a pair.
+        """Return whether the fastest unstable poles are a pair or equal at a time in a wind.
 
-        `begin`, `end`: times of the wind [s]. Where the moment changes its sign flights decide.
+        K = 1 then counts the whole trim. `begin`, `end`: times of the wind [s]. False where the
+        moment changes its sign, as flights decide there.
         """
         within = (begin <= self.paired_times) & (self.paired_times <= end)
         return bool(np.any(within)) and not self._changes_sign(begin, end)

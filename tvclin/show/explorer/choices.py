@@ -154,7 +154,10 @@ class Slider(NamedTuple):
 
 
 def with_numerical_gains(plan: StudyPlan) -> StudyPlan:
-    """Return a plan with numerical gains, also where its design searches for them."""
+    """Return a plan with numerical gains; gains for the minimum deflection are searched for.
+
+    The delay, sample rate and filters of such a design stay (`loop_of`).
+    """
     design = plan.design
     if plan.autopilot_design.design == LEAST_NOZZLE:
         autopilot = specified_autopilot(plan, plan.history, criteria=plan.margin_criteria)

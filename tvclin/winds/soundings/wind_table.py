@@ -214,7 +214,7 @@ def _selected_columns(sheet: Sheet, reading: TableOptions) -> tuple[dict[str, _C
         units = _DEFAULT_UNITS | units
     elif units:  # directions are in degrees where the user names other units alone
         units = {"angle": DEGREE} | units
-    usable: dict[str, list[_Column]] = {}
+    usable: dict[str, list[_Column]] = {}  # heights above the sea or, with `ground`, above that
     for column in _by_reference(sheet, candidates, reading.ground):
         factor = units.get(_KINDS[column.quantity]) if column.unnamed else column.factor
         if factor is not None:
