@@ -118,6 +118,7 @@ def two_plane_requirement(
         ]
     _check_turning(pair, max(bands))
     onset, warning = np.asarray([float(pair.wind.onset)]), ""
+    # of one unstable mode in each plane: the constant deflection from the onset on
     minimum = float(limit_shape.inside.gauge(pair.wind_demand(onset))[0])
     if max(poles.size for poles in pair.poles) > 1:
         optimum = minimum_in_planes(pair, limit_shape.inside)

@@ -127,7 +127,7 @@ class Compared:
         return {name: np.degrees(self.flight.peaks(name)).tolist() for name in PEAKS}
 
     def _boundaries_deg(self) -> list[float | None] | None:
-        """Return the boundaries of flight and comparison [deg]; None without boundaries."""
+        """Return the smallest surviving limits [deg], flown and of the comparison, or None."""
         if self.boundary is None:
             return None
         return [

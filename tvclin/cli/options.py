@@ -204,7 +204,7 @@ class Options:
 
 def _parameter(item: Field) -> str:
     """Return the parameter's name of a field, from its option or from its name and unit."""
-    if item.option and "/" not in item.option:
+    if item.option and "/" not in item.option:  # not a pair of flags, "--yes/--no"
         name = item.option.strip("-").replace("-", "_")
         return f"{name}_" if iskeyword(name) else name
     if not item.numeric:
@@ -305,6 +305,7 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     groups, whose parameter has the default `GROUP`. typer reads the signature and the annotations
     of the returned function.
     """
+    # options as parameters of a signature; function from their values by name to the call
     shown, call = _expanded(command)
 
     @wraps(command)

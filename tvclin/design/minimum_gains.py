@@ -335,14 +335,13 @@ def _cost(
     return np.asarray(values)
 
 
-def _linear_peaks(problem: GainProblem, points: FloatArray, goal: float) -> FloatArray:
+def _linear_peaks(problem: GainProblem, points: FloatArray, _goal: float) -> FloatArray:
     """Return the peak deflections of the linear loop, normalised by the largest trim, ``(n,)``.
 
     The largest over the winds of the problem, until eight time constants of the fastest unstable
-    mode after each, without samples. `points`: gains in the unit box, ``(n, axes)``. `goal`: not
-    used; a `requirement` of `_cost` has it, as `required_limits` is exact below it alone.
+    mode after each, without samples. `points`: gains in the unit box, ``(n, axes)``. `_goal`: not
+    used, as all peaks are exact; `required_limits`, its alternative in `_cost`, is so below a goal.
     """
-    del goal
     rows = replace(problem.autopilot(points), sample_rate=None)
     poles = np.real(unstable_modes(problem.plant.rigid).poles)
     after = _SETTLING_TIME_CONSTANTS / float(np.nanmax(poles))

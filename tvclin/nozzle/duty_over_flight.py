@@ -303,9 +303,9 @@ class _Conditions:
 
         `i`, `time`: index of the flight time, and itself [s]. `name`: name of the wind. `placed`:
         the wind in each plane. `signed`: whether head and tail wind count separately. `measured`:
-        whether the wind lasts the flight, so that only the interval around this time counts. Each
-        flight is of the vehicle in the dynamic pressure that its wind encounters, `at_peak`;
-        nothing is flown without an unstable pole.
+        whether the wind lasts the flight, so that only the interval around this time counts, from
+        ``edges[i]`` [s] on. Each flight is of the vehicle in the dynamic pressure that its wind
+        encounters, `at_peak`; nothing is flown without an unstable pole.
         """
         case, schedule = self.case, self.request.schedule
         vehicle = schedule.at(time)

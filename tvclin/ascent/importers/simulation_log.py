@@ -153,7 +153,7 @@ def read_log(
 def _sheet(path: str | PathLike[str], wanted: Wanted | None) -> Sheet:
     """Return the sheet of the log of a simulation at a path, from text or a MAT file.
 
-    `wanted`: entries of a map of columns by quantity; None to know columns by our names.
+    `wanted`: entries of a map of columns, by quantity; None where headings are tvclin's names.
     """
     if a_path("path", path).suffix.lower() == ".mat":
         return _matlab_sheet(path)

@@ -388,7 +388,10 @@ def _gain_cells(k: int, mode: ModeBand, loop: Margins) -> Iterator[tuple[Line, .
 
 
 def _limit_cells(judgement: Judgement | None) -> tuple[Line, Line]:
-    """Return the limit of a margin, and its surplus with the verdict; empty without judgement."""
+    """Return the limit of a margin, and its surplus with the verdict; empty without judgement.
+
+    The key of both numbers has the mode of the margin, `band`, which is empty for the whole loop.
+    """
     if judgement is None:
         return ("",), ("",)
     criterion = judgement.criterion

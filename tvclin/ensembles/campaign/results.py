@@ -389,8 +389,8 @@ class ResultsInMemory(CampaignResults):
         nominal(campaign)  # raises for a campaign that cannot be computed, before the many cases
         results = cls(Path(), new_manifest(campaign), ())
         for k in range(campaign.chunks):
-            done = (*results.columns, evaluate(campaign, *campaign.span(k)))
-            results = replace(results, chunks=tuple(range(k + 1)), columns=done)
+            columns = (*results.columns, evaluate(campaign, *campaign.span(k)))  # one by chunk
+            results = replace(results, chunks=tuple(range(k + 1)), columns=columns)
             if progress is not None:
                 progress(results.cases, campaign.cases)
             if results.converged:

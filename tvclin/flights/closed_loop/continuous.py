@@ -304,8 +304,9 @@ def ends_of(loop: Loop, regime: Regime) -> list[End]:
 def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """Return the event at which the law engages the full limit, or if engaged, releases it.
 
-    The thresholds are `engage` and `release` of the law times the limit. `regime`: active limits,
-    whose `mode` is 0 while the full limit is not engaged. `sign`: sign of the full limit.
+    It has the function that passes zero there, its scale [rad], and the regime that follows. The
+    thresholds are `engage` and `release` of the law times the limit. `regime`: active limits, whose
+    `mode` is 0 while the full limit is not engaged. `sign`: sign of the full limit.
     """
 
     def past(t: Any, states: FloatArray) -> Any:

@@ -291,12 +291,12 @@ def fly_together(
     for part, stages in stages_in_parts(flights):
         first, last = winds[part.start], winds[part.stop]
         cases = np.flatnonzero((which >= first) & (which < last))
-        made, _ = flown_in_winds(stages, which[cases] - first, limit[cases], rate_limit[cases])
-        parts.append((cases, made))
+        outcomes, _ = flown_in_winds(stages, which[cases] - first, limit[cases], rate_limit[cases])
+        parts.append((cases, outcomes))
     order = np.argsort(np.concatenate([cases for cases, _ in parts]))  # of the m flights as given
     flown = FlownCases(
         **{
-            name: np.concatenate([getattr(made, name) for _, made in parts])[order]
+            name: np.concatenate([getattr(outcomes, name) for _, outcomes in parts])[order]
             for name in FlownCases.__dataclass_fields__
         }
     )
@@ -313,10 +313,10 @@ def fly_together(
     begins = np.cumsum([0, *np.diff(winds)[owners[:-1]]])
     positions = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
     continued = fly_together(further_flights, positions, limit[cases], rate_limit[cases])
-    outcomes = {name: np.array(values) for name, values in vars(flown).items()}
-    for name, values in outcomes.items():
+    columns = {name: np.array(values) for name, values in vars(flown).items()}
+    for name, values in columns.items():
         values[cases] = getattr(continued, name)
-    return FlownCases(**outcomes)
+    return FlownCases(**columns)
 
 
 def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Stages]]:

@@ -226,7 +226,8 @@ class Prediction:
         """Read the state in a plane at the start of a flight.
 
         `readers`: functions that read the motion in the plane. `step`: step [s]. `sensors`: lateral
-        sensors of the law. `path_rotation`: of the flight path in the step before the flight [rad].
+        sensors of the law. `path_rotation`: turn of the flight path [rad] in the step before the
+        flight, for its angle at the begin of that step, `_path_before`.
         """
         self._readers, self._step = readers, step
         self._lateral = LateralMotion(sensors, step) if sensors.signals else None

@@ -389,7 +389,7 @@ class SoundingCollection:
             self.counted.setdefault(remark, [0, where])[0] += times
 
     def add(self, addition: SoundingCollection) -> None:
-        """Append the soundings and counts of a further collection, `addition`."""
+        """Append the soundings of a further collection, `addition`, and its counts of remarks."""
         self.pieces += addition.pieces
         self.why += addition.why
         for name, file in addition.stations.items():
