@@ -48,7 +48,7 @@ class EditedSource(str):
     def __new__(
         cls, source: str, tables: dict[str, Any] | None = None, keys: tuple[str, ...] = ()
     ) -> Self:
-        """Return the text `source` with its tables and keys."""
+        """Return the text `source` with its edited `tables`, and the `keys` that were set."""
         made = super().__new__(cls, source)
         made._tables, made.keys = tables, keys
         return made

@@ -452,8 +452,8 @@ class _Case:
         """Rate [rad/s] that must be exceeded; `InputError` for too low an acceleration.
 
         An endless ramp at the rate r has the mean r/p with the weight p e^(-p t), p being the
-        fastest pole, so that r > p d0 for the minimum deflection d0 without a rate limit; an
-        acceleration limit c delays it, and r > -(c/p) ln(1 - p^2 d0/c).
+        fastest pole, so that r > p d0, d0 being its minimum deflection without a rate limit
+        (`fast_deflection`); an acceleration limit c delays it: r > -(c/p) ln(1 - p^2 d0/c).
         """
         p, c = self.pole, self.acceleration
         if self.minimum > 0.0 and c <= p**2 * self.fast_deflection:

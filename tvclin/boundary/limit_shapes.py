@@ -551,11 +551,12 @@ class Cluster(LimitShape):
         """Return the largest roll moment of the moving engines with a `sign`; zero if roll is free.
 
         Normalised by the total thrust and the largest distance from the axis, as in `_stuck`.
-        Moving engines are not stuck. The moment is the sum of s_j h_j(sign a_j), the furthest that
-        each reaches along its arm a_j: `_sum` with the direction d zero and rho the sign.
+        Moving engines are not stuck. The moment is the sum of s_j h_j(sign a_j), share of the
+        thrust times the furthest deflection along the arm a_j of each engine j: `_sum` with the
+        direction d zero and rho the sign.
         """
         no_direction = np.zeros((), dtype=complex)
-        return float(self._sum(no_direction, np.asarray(sign))) if self.hold_roll else 0.0
+        return float(self._sum(d=no_direction, rho=np.asarray(sign))) if self.hold_roll else 0.0
 
     def _sum(self, d: Vectors, rho: FloatArray) -> FloatArray:
         """Return the sum over moving engines of s_j h_j(d + rho a_j), in the shape of d and rho.

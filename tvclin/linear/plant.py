@@ -322,6 +322,7 @@ class Plant(WithCoefficients):
         The gains are residues of the attitude; the outputs of a mode are per attitude.
         """
         poles = polynomials.roots(self.denominator)
+        # from deflection and from wind; slope of the denominator
         *numerators, slope = self.attitude_fractions(poles)
         slope = np.where(slope == 0.0, np.nan, slope)
         gains = [numerator / slope for numerator in numerators]

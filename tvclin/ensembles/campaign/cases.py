@@ -125,10 +125,11 @@ def nominal(campaign: Campaign) -> dict[str, float]:
 
 
 def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
-    """Return the batch in the plane of a campaign, with `plane_batches` if both are judged.
+    """Return the batch in the plane of a campaign, and within it batches of both planes.
 
-    `vehicle`: dispersed vehicles, a batch ``(n,)`` or one. `values`: dispersed values [SI],
-    ``(n,)`` each. `count`: number n of the cases. A wind with a heading has a part in each plane.
+    It has `plane_batches` for a wind with a heading, which has a component in each plane, if the
+    nozzle has a limit shape, by which both count. `vehicle`: dispersed vehicles, a batch ``(n,)``
+    or one. `values`: dispersed values [SI], ``(n,)`` each. `count`: number n of the cases.
     """
     wind = campaign.wind.history(values)
     angle = np.abs(np.asarray(wind.peak))  # of the whole wind, in whatever plane
@@ -227,7 +228,8 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
         """Write the status of the case with an index that cannot be computed: why, its `error`."""
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
-    # all cases at once; then, one by one, outputs that take a single case
+    # all cases at once, halved by `divide` until each refused one is by itself; then, one by one,
+    # outputs that take a single case
     divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
     if any(REGISTRY[name].case_by_case(campaign) for name in campaign.outputs):
         for case in np.flatnonzero(cases.possible):

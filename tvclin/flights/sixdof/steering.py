@@ -131,15 +131,20 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
         free, driven = steps.A, steps.B[:, 0]
     elif max_rate == np.inf:
         return law_command
-    # largest travel in a step [rad]; states of the actuator, the deflection first; command [rad]
-    reach, servo, last_command = max_rate * step, np.zeros(driven.size), 0.0
+    # states of the actuator: deflection, perhaps rate [rad, rad/s]; command [rad]
+    servo, last_command = np.zeros(driven.size), 0.0
 
     def followed(k: int, measured: Measurement) -> float:
-        """Return the deflection [rad] of the actuator at step `k`, and update its state."""
+        """Return the deflection [rad] of the actuator at step `k`, and update its state.
+
+        Its states `servo` move by the step matrices `free` and `driven` of states and command,
+        within the limits of rate, `max_rate` [rad/s], and deflection, `limit` [rad].
+        """
         nonlocal servo, last_command
-        servo_next = free @ servo + driven * last_command  # deflection, perhaps rate
+        servo_next = free @ servo + driven * last_command
         if max_rate < np.inf:
-            servo_next[0] = servo[0] + np.clip(servo_next[0] - servo[0], -reach, reach)
+            travel = max_rate * step  # largest in a step [rad]
+            servo_next[0] = servo[0] + np.clip(servo_next[0] - servo[0], -travel, travel)
             servo_next[1:] = np.clip(servo_next[1:], -max_rate, max_rate)
         servo, deflection = servo_next, min(max(float(servo_next[0]), -limit), limit)
         last_command = law_command(k, measured._replace(deflection=deflection))

@@ -90,15 +90,15 @@ def _required_together(
     """Return required deflections [rad] ``(k,)`` and statuses of some winds, by their index.
 
     `plants`: batch ``(n,)``, frozen, of `winds` with the same number of pieces. `dead_bands`: K,
-    ``(k,)``. `two_sided`: as in `frozen_requirements`. `cases`: indices of
-    the winds. NaN, and the message, where `InputError` is raised: a batch in which one wind is
-    refused is computed again, wind by wind.
+    ``(k,)``. `two_sided`: of a wind reduced to angles of one sign the entire wind, or None; for
+    none of the cases or all. `cases`: indices of the winds. NaN, and the message, where
+    `InputError` is raised: a batch with a refused wind is computed again, wind by wind.
     """
-    n, k = shape = len(cases), dead_bands.size  # each wind with each dead band, on one axis
-    index = np.repeat(np.arange(n), k)
+    n, shape = len(cases), (len(cases), dead_bands.size)
+    index = np.repeat(np.arange(n), dead_bands.size)  # each wind with each dead band, on one axis
     wind = _stacked([winds[i] for i in cases], index)
-    both = [history for i in cases if (history := two_sided[i]) is not None]  # all or none
-    both_signs = _stacked(both, index) if both else None
+    entire = [history for i in cases if (history := two_sided[i]) is not None]
+    both_signs = _stacked(entire, index) if entire else None
     plant = plants.cases(np.array(cases)[index], (len(winds),))
     try:
         limit = required_deflection(plant, wind, np.tile(dead_bands, n), two_sided=both_signs)
@@ -109,7 +109,7 @@ def _required_together(
         return {i: _required_together(*inputs, [i])[i] for i in cases}
     required = np.abs(np.reshape(limit.deflection, shape))
     statuses = np.reshape(limit.status, shape).tolist()
-    return {i: (required[k], statuses[k]) for k, i in enumerate(cases)}
+    return {i: (required[row], statuses[row]) for row, i in enumerate(cases)}
 
 
 def _stacked(histories: Sequence[History], index: IndexArray) -> History:

@@ -192,14 +192,14 @@ def _vector(
     return vector_requirements(pitch, yaw, vector, limit_shape, bands)
 
 
-def _larger(values: FloatArray, needs: list[list[VectorRequirement]], value: Any) -> FloatArray:
-    """Return the larger deflection [rad] of single planes and wind vector, ``(n, m)``, or NaN.
+def _larger(by_plane: FloatArray, vectors: list[list[VectorRequirement]], size: Any) -> FloatArray:
+    """Return the larger deflection [rad] of single planes and wind vector, ``(n, m)``; else NaN.
 
-    NaN is propagated. `values`: deflections of single planes at n times in m winds, ``(n, m)``.
-    `needs`: requirements of the wind vector, a list for each time. `value`: function that returns
-    the deflection [rad] of such a requirement which is compared.
+    `by_plane`: deflections of single planes at n times in m winds, ``(n, m)``. `vectors`:
+    requirements of the wind vector, a list for each time. `size`: function that returns one
+    deflection [rad] of such a requirement, as its trim.
     """
-    return np.asarray(np.maximum(values, [[value(vector) for vector in row] for row in needs]))
+    return np.asarray(np.maximum(by_plane, [[size(vector) for vector in row] for row in vectors]))
 
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
