@@ -90,7 +90,7 @@ class UnstableCoordinates:
         `fast`: coordinate [rad] of the fast pole, of a size up to `reach`. `reach`: deflection
         limit over B [rad].
         """
-        # `slow_edges` takes and returns coordinates over `reach`
+        # `slow_edges` takes and returns coordinates over `reach`, at a ratio of slow to fast pole
         low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
         return reach * low, reach * high
 

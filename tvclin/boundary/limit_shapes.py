@@ -537,7 +537,8 @@ class Cluster(LimitShape):
     def _stuck(self) -> tuple[complex, float]:
         """Mean deflection of the engines that are stuck, over the limit, and their roll moment.
 
-        The moment is normalised by the total thrust and the largest distance from the axis.
+        The moment is normalised by the total thrust and the largest distance from the axis; zero
+        where the moving engines need not balance it (`hold_roll`).
         """
         stuck = [(engine, share) for engine, share in self._shares if engine.state == "stuck"]
         bias = sum((engine.deflection * share for engine, share in stuck), 0j)

@@ -248,7 +248,7 @@ def _judged(study: Study) -> list[_Judged]:
     survived = abs(study.survivable_peak or np.nan)
     if study.judges_both_planes:
         return [_Judged("both planes", study.required_deflection, survived, of_verdict=True)]
-    if study.model not in study.boundaries:
+    if study.model not in study.boundaries:  # no boundary limit of this model
         return []
     rows = []
     nominal = study.nominal_deflection

@@ -317,7 +317,7 @@ class Turbulence(Record):
         `altitude`: altitude [m] at which a table is read. `InputError` for a table without it.
         """
         _, length = self.over(altitude)
-        A, b, c = self._filter(length)
+        A, b, c = self._filter(length)  # its output has a variance of one without a cutoff
         return float((c @ stationary_covariance(A, b @ b.T) @ c.T).item())
 
     def power_spectrum(

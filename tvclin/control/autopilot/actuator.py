@@ -134,9 +134,9 @@ class Actuator(Record):
         """Return A ``(..., n, n)``, B ``(..., n, 1)``, C ``(..., 1, n)``, D of order n.
 
         The input is the command [rad]; the states are the deflection [rad] and, of second order,
-        its rate [rad/s]; the output is the deflection. With the characteristic polynomial s^2 +
-        2 zeta w s + w^2 or s + w the last row of A has its coefficients, negative and lowest first,
-        and B has the last of them, w^2 or w.
+        its rate [rad/s]; the output is the deflection. With the `denominator` s^2 + 2 zeta w s +
+        w^2 or s + w the last row of A has its coefficients, negative and lowest first, and B has
+        the last of them, w^2 or w.
         """
         order = self.denominator.shape[-1] - 1
         A = np.zeros((*self.batch, order, order)) + np.eye(order, k=1)

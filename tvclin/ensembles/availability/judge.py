@@ -358,8 +358,8 @@ class Judge:
     ) -> Iterator[tuple[int, MarchedWinds]]:
         """Iterate over indices of planes, and all winds in the plane that a flight must survive.
 
-        They are the n winds with bounds of their requirements, for either sign of what is added:
-        the growth of the wind until launch, the gust at each of its times, and unknown wind.
+        They are the n winds with bounds of their requirements, for either sign of `additions`: the
+        growth of the wind until launch, the gust at each of its times; and of unknown wind.
 
         `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: index of the
         azimuth. `strong`: whether a wind that is not known is strong, or calm.

@@ -398,9 +398,9 @@ class SoundingWinds:
     def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
         """Return the heights [m] of levels and of rows of the flight, ascending, ``(n, k)``.
 
-        `path`: path of the flight. The heights are from the lowest to the highest level, or, with
-        `strong`, along the entire flight, with two more where the wind becomes unknown; soundings
-        with fewer levels repeat heights.
+        `path`: path of the flight. The heights are from the lowest to the highest level (`bottom`,
+        `top`), or, with `strong`, along the entire flight, with two more where the wind becomes
+        unknown; soundings with fewer levels repeat heights.
         """
         counts = np.diff(self.offsets)  # levels of each sounding; the last one is repeated
         index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
