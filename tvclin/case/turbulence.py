@@ -321,15 +321,15 @@ class LoopInTurbulence(Shown):
         speed = errors.number("velocity", vehicle.velocity, errors.positive, "m/s")
         air, k = request.at(altitude), request.factor
         stationary = turbulence_covariance(autopilot, plant, air, speed)
-        ended = wind.shift(-float(wind.onset))
-        duration = float(ended.end) + AFTER_WIND_S
+        from_onset = wind.shift(-float(wind.onset))
+        duration = float(from_onset.end) + AFTER_WIND_S
         slopes = None
         if load is not None:
             errors.instance("load", load, LoadBound, "of one bound")
             # the load alpha + M delta [rad], M = `ratio`, takes the place of a bending moment
             slopes = LoadSlopes(alpha_moment=1.0, deflection_moment=load.ratio)
         history = turbulence_history(
-            autopilot, plant, air, speed, duration, wind=ended, settled=True, loads=slopes
+            autopilot, plant, air, speed, duration, wind=from_onset, settled=True, loads=slopes
         )
         # the largest |mean| + k standard deviations of an output, and its time
         deflection, time = history.largest(k)

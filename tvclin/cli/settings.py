@@ -240,7 +240,7 @@ def field_key(option: str) -> str | None:
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name
 
-    # of the keys of an option the first is its own; it excludes the others
+    # without units: first the option's own key, then others that it excludes
     first, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))
     return next((k.name for k in all_keys() if quantity_name(k.name) == first), None)
 

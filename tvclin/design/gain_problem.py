@@ -194,8 +194,8 @@ class GainProblem:
         """
         c = self.plant.coefficients
         beta = float(np.sqrt(c.mu_alpha))
-        pace = max(self.fastest / beta, 2.0)  # w/beta; 2 keeps a range to search
-        return float(c.B), beta, (1.5 * (1.0 + pace**2), 2.0 * pace)
+        frequency_ratio = max(self.fastest / beta, 2.0)  # w/beta; 2 keeps a range to search
+        return float(c.B), beta, (1.5 * (1.0 + frequency_ratio**2), 2.0 * frequency_ratio)
 
     def shortfalls(self, points: FloatArray) -> FloatArray:
         """Return the largest relative shortfall of a required margin, by row of gains, ``(n,)``.

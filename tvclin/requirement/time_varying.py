@@ -617,6 +617,7 @@ class SteppedWinds:
         fine_span = np.log(middle / low)[:, np.newaxis]
         coarse_span = np.log(top / middle)[:, np.newaxis]
         fine, coarse = np.ceil(fine_span / FINE), np.ceil(coarse_span / STRIDE)
+        # rounded up to a multiple, so that many cases have the same number and fly together
         counts = _LIMITS_MULTIPLE * np.ceil((fine + coarse)[:, 0] / _LIMITS_MULTIPLE).astype(int)
         survives = ~self.diverge(low[:, np.newaxis])[:, 0]
         for count in np.unique(counts[survives & (counts > 0)]).tolist():

@@ -104,6 +104,7 @@ class Constraints:
         if self.real:
             return values
         components = np.stack([np.real(values), -np.imag(values)], axis=1)
+        # a real pole has the real part alone
         wanted = np.stack([np.ones(self.poles.size, dtype=bool), self._rows == 2], axis=1)
         return components[wanted]
 
@@ -211,7 +212,10 @@ class Window:
 
     @cached_property
     def grid(self) -> FloatArray:
-        """Times [s] from zero on, evenly spaced in their logarithm and within each period."""
+        """Times [s] at which sums of the exponentials are sampled for their zeros, ``(k,)``.
+
+        They are evenly spaced in their logarithm, and within each period of a complex pair.
+        """
         c = self.constraints
         last = min(self.end, _MAX_DECAY_TIMES / c.decays.min())
         # far below the fastest time constant, and within the window
@@ -219,8 +223,8 @@ class Window:
         parts = [np.zeros(1), np.geomspace(first, last, _GEOMETRIC_POINTS)]
         for pole in c.poles[np.imag(c.poles) > 0.0]:
             step = np.pi / np.imag(pole) / _POINTS_PER_HALF_PERIOD
-            reach = min(last, 700.0 / np.real(pole))  # e^-700 is the end of floating point
-            parts.append(np.linspace(0.0, reach, int(min(reach / step + 2, _MAX_POINTS))))
+            pair_end = min(last, 700.0 / np.real(pole))  # e^-700 is the end of floating point
+            parts.append(np.linspace(0.0, pair_end, int(min(pair_end / step + 2, _MAX_POINTS))))
         return np.unique(np.concatenate(parts))
 
     @cached_property

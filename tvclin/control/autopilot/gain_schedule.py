@@ -504,7 +504,7 @@ def _tabulated(
     delay, filters and sample rate. `actuator`: actuator, or None.
     """
     arguments = constant.options(actuator) | table.gains
-    for name in CHAINS:
+    for name in CHAINS:  # filters of the sum, the attitude and the rate
         arguments[name] = (*arguments[name], *table.chains.get(name, ()))
     autopilot = Autopilot(**arguments)
     return GainSchedule(table.breakpoints, autopilot, table.variable, table.notches)

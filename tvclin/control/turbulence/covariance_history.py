@@ -348,7 +348,11 @@ def turbulence_along(
         return autopilots, FlexiblePlant.from_vehicle(vehicles, frozen, model, plane)
 
     def loop_at(times: FloatArray) -> DrivenLoop:
-        """Return the loops in turbulence at flight times [s], constant beyond the flight."""
+        """Return the loops in turbulence at flight times [s], constant beyond the flight.
+
+        Loads have the dynamic pressure of the flight if they have none of their own
+        (`pressure_of_flight`).
+        """
         time = np.clip(times, *flight.span)
         autopilots, plants = autopilots_and_plants(time)
         height = None if flight.altitude is None else np.interp(time, flight.times, flight.height)

@@ -298,9 +298,9 @@ class Judge:
         """Return bounds of the required deflections [rad] of n winds in a azimuths, ``(3, a, n)``.
 
         They are the lower bound, the upper bound, and the lowest limit with which a flight may
-        survive, of one or both planes by the limit shape. `within`: heights [m] between which the
-        winds of `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not known is
-        strong, or calm.
+        survive; of both planes they are combined by the limit shape. `within`: heights [m] between
+        which the winds of `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not
+        known is strong, or calm.
         """
         towards = []  # one array (3, n) for each azimuth
         for a in range(self.azimuths.size):

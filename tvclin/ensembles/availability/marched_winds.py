@@ -251,7 +251,8 @@ class PlaneMarch:
     def flights(self, winds: LineWinds) -> SteppedWinds:
         """Return winds and the calm after them over the finer steps of flights, with the equations.
 
-        Each wind begins at its onset, counted in these steps.
+        Each wind begins at its onset, counted in these steps. The equations of the even steps set
+        the length of the calm, which the equations of flights include.
         """
         steps, equations = self._flight_steps
         _, even_equations = self._steps

@@ -372,12 +372,12 @@ def _steps(batch: Batch, plant: LinearSystem, terms: int) -> Steps:
 class Timing(NamedTuple):
     """Lengths of the samples of p vehicles and of their parts; fields as in `Steps`.
 
-    `pace`: bandwidth of a first-order nozzle [1/s], ``(p, 1)``.
+    `bandwidth`: bandwidth of a first-order nozzle [1/s], ``(p, 1)``.
     """
 
     lengths: FloatArray
     substeps: IntArray
-    pace: FloatArray
+    bandwidth: FloatArray
     late: IntArray
 
     @classmethod
@@ -389,16 +389,19 @@ class Timing(NamedTuple):
         A delay is whole samples, `late`, and a rest: a command arrives within a sample, which is
         then the part before the arrival and the part after it, divided into `substeps` each.
         `hardware`: gives the actuators. `shape`: shape of the batch of vehicles. `length`, `delay`:
-        sample periods and computing delays [s], ``(p,)``. `pace` is the bandwidth of a first-order
-        actuator, 1e100 without one.
+        sample periods and computing delays [s], ``(p,)``. `bandwidth` [1/s] is zero for an
+        actuator of second order, 1e100 without one.
         """
         late, rest = split_delay(delay, length)  # the part after the arrival is the first one
         parts = [length - rest, rest] if np.any(rest) else [length]
         lengths = np.stack([length, *parts], axis=-1)
         substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
-        pace = np.minimum(spread_to(quickness(hardware.actuator), shape), _IDEAL_BANDWIDTH)
+        bandwidth = np.minimum(spread_to(quickness(hardware.actuator), shape), _IDEAL_BANDWIDTH)
         return cls(
-            lengths=lengths, substeps=substeps, pace=pace[:, np.newaxis], late=late.astype(np.int64)
+            lengths=lengths,
+            substeps=substeps,
+            bandwidth=bandwidth[:, np.newaxis],
+            late=late.astype(np.int64),
         )
 
     @property
@@ -413,8 +416,8 @@ class Timing(NamedTuple):
         of a sample and over their substeps. `ramp`: response to a linear deflection in a substep.
         With them go `quick`, bandwidth times substep of a first-order nozzle, and the lengths [s].
         """
-        lengths, substeps, pace, late = self
-        quick = np.where(self.short > 0.0, pace * self.short, 0.0)
+        lengths, substeps, bandwidth, late = self
+        quick = np.where(self.short > 0.0, bandwidth * self.short, 0.0)
         return Steps(
             joint=joint,
             fine=fine,

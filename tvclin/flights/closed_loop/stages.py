@@ -397,8 +397,8 @@ class Stages:
     ) -> dict[str, FloatArray]:
         """Return the matrices of m samples by name, ``(m, ...)``.
 
-        `times`: starts of the samples [s], ``(m,)``. `sample`: index of a sample of the same flight
-        for each. `middle`: whether A and gust input in the middle of the samples are among the
+        `times`: starts of the samples [s], ``(m,)``. `sample`: for each the index of any sample of
+        its flight. `middle`: whether A and gust input in the middle of the samples are among the
         matrices. The vehicle is evaluated at the `_places`; after the end of its schedule it is
         frozen.
         """

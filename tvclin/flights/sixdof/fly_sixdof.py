@@ -103,11 +103,11 @@ class SixDof:
                 )
         checked(self, "step")
         c = self.coefficients
-        pace = abs(float(c.mu_alpha)) ** 0.5 + float(c.damping)
-        if self.step * pace > _MAX_STEP_TIMES_FREQUENCY:
+        frequency = abs(float(c.mu_alpha)) ** 0.5 + float(c.damping)
+        if self.step * frequency > _MAX_STEP_TIMES_FREQUENCY:
             raise InputError(
-                f"step must be at most {_MAX_STEP_TIMES_FREQUENCY / pace:.3g} s for a vehicle that"
-                f" moves with {pace:.3g} rad/s; got {self.step:.6g} s"
+                f"step must be at most {_MAX_STEP_TIMES_FREQUENCY / frequency:.3g} s for a vehicle"
+                f" that moves with {frequency:.3g} rad/s; got {self.step:.6g} s"
             )
 
     @property

@@ -440,6 +440,7 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
         raise InputError("the gust is not known at any flight time")
     first, *_ = responses
     means = [(0.0, response) for response in responses]  # offset zero: all are in flight time
+    # the first response, as all of them, is of the whole flight
     return _Responses(covariance=first, means=means, whole=lambda: first)
 
 

@@ -176,10 +176,7 @@ class FlightWinds:
             )
 
     def _name(self, pulse: ShapedWind) -> str:
-        """Return the name of a pulse: shape, peak, duration and gust.
-
-        Peaks are angles, or the wind speeds `peak_speed` and `gust_speed` where these are not None.
-        """
+        """Return the name of a pulse: shape, peak (or `peak_speed`), duration and gust."""
         name = f"{pulse.shape} wind of {_strength(pulse.peak, self.peak_speed)}"
         if pulse.gust is None:
             return f"{name}, {pulse.duration:g} s"
