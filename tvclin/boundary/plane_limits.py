@@ -198,13 +198,14 @@ def _requirement_after_trim(
 
     driver = pair.trim if literal else pair.moment_driver  # [rad], whose gauge decides the exit
     times = pair.times()
-    heights = np.asarray(limit_shape.gauge(driver(times)))
-    limit = float(max(heights.max(), limit_shape.gauge(pair.trim(times)).max()))
+    gauges = np.asarray(limit_shape.gauge(driver(times)))
+    limit = float(max(gauges.max(), limit_shape.gauge(pair.trim(times)).max()))
 
     def trimmed_minimum(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
-        Trim ends where the gauge of the driver (trim, or on the wind -B alpha_w) first reaches K L.
+        Trim ends where the gauge of the driver (trim, or on the wind -B alpha_w) first reaches K L:
+        `gauges` has it at `times` [s].
         The bound, of separate planes, is taken if it is `sufficient` [rad] or m is not `solved`.
         """
 
@@ -213,7 +214,7 @@ def _requirement_after_trim(
             return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
         # at the end of the wind without an earlier exit of the dead band
-        k = int(np.argmax(heights >= K * limit)) if heights.max() >= K * limit else -1
+        k = int(np.argmax(gauges >= K * limit)) if gauges.max() >= K * limit else -1
         t = float(times[k])
         if k > 0 and excess(times[k - 1]) < 0.0 < excess(t):
             t = float(brentq(excess, times[k - 1], t, xtol=1e-12))
@@ -229,7 +230,7 @@ def _requirement_after_trim(
         return minimum_in_planes(pair, limit_shape, t).peak
 
     # limits above this one have no exit of the dead band: m(L) is then that of the wind's end
-    without_exit = heights.max() / K * (1.0 + _RELATIVE_TOLERANCE)
+    without_exit = gauges.max() / K * (1.0 + _RELATIVE_TOLERANCE)
     limit = max(limit, trimmed_minimum(without_exit, limit, False))
     for solved in (False, True):
         while limit > minimum:

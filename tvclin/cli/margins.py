@@ -348,7 +348,10 @@ class _Answer:
         return (*self._detuning_notes(), *notes)
 
     def _detuning_notes(self) -> Iterator[str]:
-        """Yield the note on modes that make a stable loop unstable near their frequency."""
+        """Yield the note on modes that make a stable loop unstable near their frequency.
+
+        There is none where the table of detuned modes, `detuned`, shows that anyway.
+        """
         loop = self.margins
         if self.detuned is None and loop.whole.stable and loop.bands and loop.bands.modes:
             assert isinstance(loop.plant, FlexiblePlant)

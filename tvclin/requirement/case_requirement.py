@@ -165,7 +165,10 @@ class CaseRequirement:
 
     @property
     def plane_ratio(self) -> float:
-        """Limit of both planes over the share of this plane; 1 if this plane alone is judged."""
+        """Limit of both planes over that of this plane alone; 1 if this plane alone is judged.
+
+        It is the ratio of the deflections at the wind's peaks, see `ratio_to`.
+        """
         return (
             self.planes.ratio_to(self.plane)
             if self.planes is not None and self.judges_both_planes

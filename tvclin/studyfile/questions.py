@@ -114,7 +114,7 @@ class Question(Record):
     @property
     @derived()
     def quantity(self) -> str:
-        """Name of the required quantity; empty for a criterion, and without a measure."""
+        """Name of the required quantity of `measure`; empty for a criterion, and without one."""
         if self.measure is None:
             return ""
         if self.measure.unit == "deg/s" and self.name in _RATE_QUESTIONS:

@@ -199,7 +199,7 @@ def _flight_of_a_vehicle(
     plan = load_study(EditedSource(str(source), tables))
     assert plan.sizing is not None
     soundings = {**plan.sizing.soundings, **winds}
-    pulse = isinstance(plan.wind, ShapedWind)
+    pulse = isinstance(plan.wind, ShapedWind)  # whether a pulse counts at each flight time
     if isinstance(plan.wind, ShapedWind) and soundings:  # a gust is added to soundings too
         pulse = replace(plan.wind, gust=None, gust_at=None, gust_speed=None) != DEFAULT_WIND
     plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse, soundings=soundings))

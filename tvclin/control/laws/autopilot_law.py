@@ -126,7 +126,10 @@ class SystemLaw(_AutopilotLaw):
 
 
 def gain_numbers(autopilot: Autopilot) -> dict[str, Any]:
-    """Return the gains of an autopilot by the names of `LawNumbers`: of measurement or state."""
+    """Return the gains of an autopilot by the measurement, or state, that each is a factor on.
+
+    The names are those of `LawNumbers`.
+    """
     return {
         "attitude": autopilot.attitude_gain,
         "attitude_rate": autopilot.rate_gain,

@@ -232,6 +232,7 @@ def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
     """
     peaks = {plane: np.abs(in_plane.wind.peak) for plane, in_plane in batch.plane_batches.items()}
     limit_shape = limit_shape_of(campaign.nozzle.limit_shape or "")
+    # limit whose shape contains the rectangle of the peaks, in the unit of the peaks
     total = rectangle(limit_shape, *(peaks.get(plane, 0.0) for plane in PLANES))
     return {plane: peak / total for plane, peak in peaks.items()}
 

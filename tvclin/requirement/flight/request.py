@@ -122,7 +122,7 @@ class FlightWinds:
         return gust_of_speed(gust, self.gust_speed, self.case.planes)
 
     def case_of(self, vehicle: Vehicle, pulse: ShapedWind) -> Case:
-        """Return the case of a vehicle of the flight in a pulse, with the angles it encounters."""
+        """Return the case of a vehicle in a pulse, whose speeds become angles for this vehicle."""
         case = self.case
         if self.peak_speed is not None:
             pulse = pulse.with_speed(self.peak_speed, vehicle, case.plane)
@@ -143,10 +143,7 @@ class FlightWinds:
         case = self.case
 
         def encountered(vehicle: Vehicle) -> History | PlaneWind:
-            """Return the pulse that a vehicle encounters, in the plane or as a vector.
-
-            `NotKnownError` for a vector of both planes beyond linear aerodynamics.
-            """
+            """Return the pulse of a vehicle; `NotKnownError` beyond linear aerodynamics."""
             placed = self.case_of(vehicle, pulse).wind_at(self.dead_band)  # gust at its worst time
             checked_linear(placed.max_angle)
             attitude = float(np.asarray(vehicle.attitude))
@@ -160,8 +157,7 @@ class FlightWinds:
     def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
         """Return the wind angle of attack [rad] in a sounding over flight time, with the gust.
 
-        It is in the plane of the case, or in both; about a flight time only the `window` [s] of the
-        record counts. `name`: name of the sounding, for messages.
+        It is in the plane of the case, or in both. `name`: name of the sounding, for messages.
         """
         with errors.naming(name):
             return fly_through(

@@ -118,7 +118,7 @@ def placed(plan: StudyPlan) -> ShapedWind:
 
 @Cached
 def motion(plan: StudyPlan, law: str) -> Motion:
-    """Return the motion of a plan's vehicle in its wind, whose gust has its time.
+    """Return the motion of a plan's vehicle in its wind; a gust must have a time.
 
     `law`: name of the law. The response to the report's control is exact, that of `tvclin respond`;
     a law is flown by the engine of `tvclin fly --engine linear`. The report's control trims and
