@@ -104,6 +104,7 @@ def _iterated(
             break
         above, floor = limit[active], lower[active]
         lowest = np.maximum(floor, K[active] * above)
+        # `peaks`: m(L), or `lowest` where m(L) is proved to be no more
         below = np.minimum(np.maximum(lowest, after.peaks(cases[active], above, lowest)), above)
         limit[active] = below
         done = above - below <= _RELATIVE_STEP * above

@@ -189,8 +189,9 @@ class GainProblem:
     def _scales(self) -> tuple[float, float, tuple[float, float]]:
         """B, beta [1/s], and the largest (a0 + b0)/B and a1 beta/B of the search range.
 
-        With the natural frequency w and a damping ratio of 1 these are 1 + (w/beta)^2 and 2 w/beta;
-        w is the largest useful frequency, and the first has half as much again.
+        The gains are a0 on attitude, a1 on its rate, b0 on the angle of attack. Poles of a natural
+        frequency w and a damping ratio of 1 take 1 + (w/beta)^2 and 2 w/beta; w is `fastest`, the
+        largest useful frequency, and the first may be half as much again.
         """
         c = self.plant.coefficients
         beta = float(np.sqrt(c.mu_alpha))

@@ -443,7 +443,7 @@ def decided_by_flights(
 
     `equations`: of n cases, or common to all. `trim_and_demand`: deflections of trim, and limits
     sufficient when held from then on, over time. `limit`: the largest min(trim, demand) [rad],
-    ``(n,)``, to which the lowest limits are fractions, or to trim where mu_alpha changes its sign.
+    ``(n,)``; the lowest limits are fractions of it, or of trim where mu_alpha changes its sign.
     Flights decide where trim reaches it with both signs, where the path drifts and is quick, or
     trim crosses it more than once, and where mu_alpha changes its sign, since the demand of a
     constant deflection is no bound then.

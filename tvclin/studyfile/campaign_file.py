@@ -328,7 +328,7 @@ def with_flight_data(
         return same
     flight = flight_of(document, folder)
     schedule: FlightSchedule = flight["schedule"]
-    if "another" in flight:
+    if "another" in flight:  # it belongs to another vehicle
         return same
     if schedule.structure is not None and (
         vehicle.structure is None or "structure" in (table or {})

@@ -213,10 +213,10 @@ def best_multipliers(window: Window) -> SignedSum:
 
 
 def _with_last_switch(window: Window) -> SignedSum | None:
-    """Return the optimal sum of the faster poles, with one more switch for the slowest real pole.
+    """Return the sum lambda . e whose sign is a deflection with one switch after the faster poles'.
 
-    No deflection has a smaller peak than the faster poles require, so it solves the whole problem
-    if the switch is so late that it does not change their moments; the caller checks that. None if
+    These require the peak, and the switch serves the slowest real pole: the sum is optimal if the
+    switch is so late that it does not change their moments; the caller checks that. None if
     the slowest pole is complex, the faster ones demand nothing, or no such switch exists. `window`:
     the poles' exponentials e_i, and their demands d_i.
     """

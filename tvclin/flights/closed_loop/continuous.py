@@ -290,8 +290,9 @@ def regime_after_jump(loop: Loop, t: float, states: FloatArray, regime: Regime) 
 def ends_of(loop: Loop, regime: Regime) -> list[End]:
     """Return the events that can end a regime, in which the active limits stay the same.
 
-    They are events of the law, of the rate limit if there is one, and of the deflection limit for a
-    nozzle with two states (`servo`), which is of second order: of first order it never overshoots.
+    They are events of the law's full limit (`mode`), of the nozzle's rate limit if there is one,
+    and of its deflection limit (`stop`) with two states (`servo`): of first order the nozzle never
+    overshoots. Fields of the regime are the signs of active limits, 0 for none.
     """
     ends = [_mode_end(loop, regime, sign) for sign in _signs(regime.mode)]
     if loop.servo and loop.rate_limit < np.inf:

@@ -436,8 +436,9 @@ def _record(
 ) -> FlownPlanes:
     """Return the outcomes as a public record, in the shape of the limits.
 
-    Saturated samples become a fraction of all, and the last sample a time. `start`: start of the
-    flights [s]. `length`: sample period [s]. `shape`: shape of the limits.
+    Saturated samples become a fraction of all, and the last sample a time. Attitude and deflection
+    over time are of a single flight, else empty. `start`: start of the flights [s]. `length`:
+    sample period [s]. `shape`: shape of the limits.
     """
     shown = np.array(outcomes.shown).reshape(-1, 2)
     end: FloatArray = np.asarray(start + outcomes.ended * length)

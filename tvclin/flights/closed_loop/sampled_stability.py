@@ -64,6 +64,7 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     # Flights that differ in their limit alone have the same loop, unless their law depends on it.
     laws, of_flight = np.unique(f.cases.law, return_inverse=True)
     numbers = [batch.laws.numbers[k] for k in laws]
+    # `leans`: recoverable-attitude law; the numbers of laws in Python are None
     depends = np.array([law is None or law.leans for law in numbers])[of_flight]
     limit = np.where(depends, f.cases.limit, 0.0)
     keys = np.column_stack([f.cases.vehicle, f.cases.law, f.cases.gain, limit])

@@ -136,9 +136,10 @@ class SixDof:
         return Air(wind, times, angles=angles, speeds=speeds, trajectory=trajectory)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
-        """Return the function of the deflection for a command of the nozzle within a limit [rad].
+        """Return the function from step number and measurements to a deflection in `limit` [rad].
 
-        `air`: wind at the steps of the flight. `InputError` for a step too large for the actuator.
+        `command`: a deflection over time, the report's control, or a law with actuator and rate
+        limit. `air`: wind at the steps. `InputError` for a step too large for the actuator.
         """
         control, actuator = command.control, command.actuator
         if isinstance(control, History):

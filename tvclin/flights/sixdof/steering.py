@@ -224,7 +224,7 @@ class LateralMotion:
         )
 
     def move(self, path: float, speed: float, force: float, angular_acceleration: float) -> None:
-        """Update the state to the end of a step, which begins a flight too.
+        """Update drift and acceleration of the lateral sensors to the end of a step.
 
         `path`: flight path angle [rad]. `speed`: over the ground [m/s]. `force`: force per mass at
         the centre of gravity [m/s^2], normal to the body, without weight. `angular_acceleration`:

@@ -375,7 +375,7 @@ class Panel:
     def _next(self, choices: Choices, steps: int) -> None:
         """Compute a number of steps of the answer to choices, and show it.
 
-        Computed before, the last step does not count in the time of `_complete` for further ones.
+        The last one may be slow: computed here, it leaves `_complete` its time for further steps.
         """
         answer(choices, steps)
         self._complete(choices, steps)
