@@ -56,6 +56,19 @@ def test_the_report_control_is_flown_beside_the_linear_theory():
             assert both[one] == pytest.approx(peak, rel=1e-9)
 
 
+def test_the_required_deflection_beside_a_nonlinear_flight_is_of_the_model_of_the_study(tmp_path):
+    """Linear theory beside the flight is of drift-exact, which requires another deflection."""
+    study = tmp_path / "s.toml"
+    vehicle = '[study]\nvehicle = "configuration-i"\nmodel = "fixed-path"\n'
+    study.write_text(f"{vehicle}[wind]\npeak_deg = 4\nduration_s = 6\n")
+    expected = json.loads(CliRunner().invoke(app, ["study", str(study), "--json"]).stdout)
+    required = expected["verdict"]["required_deflection_deg"]
+    assert document(study)["required_deflection_deg"] == pytest.approx(required, rel=1e-12)
+    printed = " ".join(run(study).output.split())
+    assert "linear theory is of drift-exact here, the study of fixed-path" in printed
+    assert f"required deflection {required:.3f} deg, see study" in printed
+
+
 @pytest.mark.parametrize("engine", usual(["planar", "sixdof"], 0))
 def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_end(
     engine, tmp_path

@@ -60,6 +60,22 @@ def test_a_dead_band_with_a_forecast_is_judged_by_its_required_deflection(dead_b
     assert study.exit_code == done.exit_code
 
 
+def test_a_study_file_with_the_numbers_of_its_vehicle_is_answered_over_the_rate(tmp_path) -> None:
+    vehicle = tv.load_vehicle("configuration-i")
+    numbers = {"weight_N": vehicle.weight, "moment_of_inertia_kg_m2": vehicle.moment_of_inertia}
+    numbers |= {"normal_force_slope_N_per_rad": vehicle.normal_force_slope}
+    numbers |= {"thrust_N": vehicle.thrust, "aerodynamic_arm_m": vehicle.aerodynamic_arm}
+    numbers |= {"control_arm_m": vehicle.control_arm, "axial_force_N": vehicle.axial_force}
+    numbers |= {"velocity_m_per_s": vehicle.velocity}
+    numbers |= {"attitude_deg": float(np.degrees(vehicle.attitude))}
+    file = tmp_path / "s.toml"
+    lines = "[wind]\npeak_deg = 5\nduration_s = 7.5\n[study.vehicle]\n"
+    file.write_text(lines + "".join(f"{k} = {v!r}\n" for k, v in numbers.items()))
+    answer, named = (json.loads(run(x, "--json").stdout) for x in (str(file), "configuration-i"))
+    for key in ("minimum_deflection_deg", "minimum_rate_deg_per_s"):
+        assert answer["trade_off"][key] == pytest.approx(named["trade_off"][key], rel=1e-9)
+
+
 def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -> None:
     """At that rate the least limit is the one it is stated at."""
     required = json.loads(CliRunner().invoke(app, ["study", "--json"]).stdout)["verdict"]

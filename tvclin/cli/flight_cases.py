@@ -99,7 +99,7 @@ class Compared:
     @cached_property
     def required(self) -> CaseRequirement | None:
         """The required deflection of a study of the plan that is flown."""
-        return study_requirement(self.flying.plan, chosen(self.flying.dead_band, 1.0))
+        return study_requirement(self.flying.study_plan, chosen(self.flying.dead_band, 1.0))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -198,6 +198,11 @@ class Flying:
     pressure = "nominal"
 
     @property
+    def study_plan(self) -> StudyPlan:
+        """The plan of the study, with the model of its required deflection."""
+        return self.plan
+
+    @property
     def wind(self) -> History:
         """The wind [rad]."""
         return self.plan.history
@@ -237,6 +242,7 @@ class FlightCase(Flying):
 
     `boundary`: smallest limit with which the control survives in linear theory. `minimum`: smallest
     peak deflection of any control, with the wind known. `limit`: limit of the flight. All in rad.
+    `study_model`: model of the study; the linear theory beside the flight is of `DEFAULT_MODEL`.
     """
 
     engine: str
@@ -245,7 +251,13 @@ class FlightCase(Flying):
     boundary: float
     minimum: float
     limit: float
+    study_model: str
     direction: str = ""
+
+    @property
+    def study_plan(self) -> StudyPlan:
+        """The plan of the study, with the model of its required deflection."""
+        return replace(self.plan, model=self.study_model)
 
     @property
     def vehicle(self) -> Vehicle:
@@ -304,6 +316,7 @@ def flight_case(
     impulse for parameters that vary in flight, None for frozen ones. `length`: its length [s].
     `direction`: of the wind, of parameters that vary.
     """
+    study_model = flying.plan.model
     flying = replace(flying, plan=replace(flying.plan, model=""))  # empty: the default model
     plant, wind = flying.plan.plant.rigid, flying.wind
     _check_flight(plant, wind, length)
@@ -325,6 +338,7 @@ def flight_case(
         boundary=boundary,
         minimum=minimum,
         limit=limit,
+        study_model=study_model,
         direction=direction,
     )
 
@@ -419,7 +433,9 @@ def worst_of(flights: dict[str, Compared]) -> Compared:
 
 
 def _flight_notes(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
-    """Yield notes on a limit below the minimum of any control, and on the release of the limit."""
+    """Yield notes on the model, on a limit below the minimum of any control, and on its release."""
+    if case.study_model != DEFAULT_MODEL:
+        yield f"linear theory is of {DEFAULT_MODEL} here, the study of {case.study_model}"
     if case.limit < case.minimum and (flight.survived or flight.predicted):
         yield (
             f"{np.degrees(case.minimum):.3f} deg is the minimum of any control by linear theory;"

@@ -42,10 +42,9 @@ from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.requirement.nominal_requirement import covers
-from tvclin.studyfile.read import vehicle_source
+from tvclin.studyfile.read import is_flight
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
-from tvclin.vehicle.vehicle_file import is_schedule
 from tvclin.winds.wind_angles import beyond_linear
 
 if TYPE_CHECKING:
@@ -118,7 +117,7 @@ def nozzle(
     Exit code 0: no limit is below its lower bound, and flights survive within limits and load; 1:
     NOT SUFFICIENT, NOT SURVIVED, NOT MET, or NOT KNOWN; 2: bad input.
     """
-    flight = over is None and time is None and is_schedule(vehicle_source(vehicle))
+    flight = over is None and time is None and is_flight(vehicle)
     over = one_of("--over", over or (FLIGHT if flight else RATE), (RATE, LOAD, FLIGHT))
     if over != LOAD:
         options.load.only_with(f"--over {LOAD}")
