@@ -74,8 +74,8 @@ class UnstableCoordinates:
         """Return whether coordinates z [rad], ``(..., N)``, are recoverable with |u| < `reach`.
 
         A state is recoverable if some deflection returns it to equilibrium without wind. u is the
-        deflection over B, and `reach` [rad], ``(...)``, its limit. Strictly: on the edge the
-        deflection keeps the state constant and cannot return it.
+        deflection over B, the trim deflection per angle of attack, and `reach` [rad], ``(...)``,
+        its limit. Strictly: on the edge the deflection keeps the state constant.
         """
         first = np.abs(z[..., 0]) < reach
         if self.poles.size == 1:

@@ -127,7 +127,7 @@ def _bisected(
 
     L diverges if the minimum peak after trim up to K L exceeds it. `after`: the problem. `cases`: n
     indices of its cases. `lower`: result if none above it diverges. `highest`: a limit that trim
-    never exceeds. All are normalised by B alpha_w,max.
+    never exceeds. All are normalised by B alpha_w,max, the trim of the peak on a fixed path.
     """
 
     def diverges(which: IndexArray, limits: FloatArray) -> BoolArray:

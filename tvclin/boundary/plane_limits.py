@@ -325,10 +325,10 @@ def _dead_band_exit(
 ) -> tuple[complex, float, str]:
     """Return constant deflection [rad] after the exit of the dead band, exit time [s] and status.
 
-    The driver is trim, or on the wind -B alpha_w [rad]; at the exit its gauge is K times that of
-    the constant deflection required from then on. Only new maxima of the driver's gauge are exits;
-    of several solutions the last is returned. Without an exit the deflection is the largest trim,
-    and the time NaN.
+    The driver is trim, or on the wind -B alpha_w [rad], trim on a fixed path; at the exit its gauge
+    is K times the gauge of the constant deflection required from then on. Only new maxima of the
+    driver's gauge are exits; of several solutions the last is returned. Without an exit the
+    deflection is the largest trim, and the time NaN.
 
     `pair`: plants and wind. `limit_shape`: of the nozzle. `K`: dead band. `literal`: whether its
     exit is on trim, not on the wind.

@@ -290,8 +290,9 @@ def _end_notes(trim: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
 def _constant_notes(trim: BoundedTrim) -> Iterator[str]:
     """Yield notes on the deflection that stays constant for ever, by eq (4b) of the report.
 
-    A NaN time constant of the final motion belongs to a fast mode that is not excited: the slow
-    mode alone remains.
+    It is stable by eq (4b) if deflection and wind together excite no unstable mode. A NaN time
+    constant of the final motion belongs to a fast mode that is not excited: the slow mode alone
+    remains.
     """
     verdict = trim.verdict
     stable = "stable by condition (4b)" if verdict.stable else "not stable by condition (4b)"

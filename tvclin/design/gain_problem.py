@@ -172,8 +172,9 @@ class GainProblem:
         """Return the point of the gains of an autopilot in the unit box, ``(axes,)``.
 
         The inverse of `autopilot`: axes are log (a0 + b0)/B, log a1 beta/B and b0/(a0 + b0), of the
-        gains on attitude, rate and angle of attack. Gains beyond the search range are moved to its
-        edge; `_scales` has B, beta and the largest two of these ratios.
+        gains a0, a1 and b0 on attitude, rate and angle of attack. Gains beyond the search range are
+        moved to its edge; `_scales` has B, the trim deflection per angle of attack, beta =
+        sqrt(mu_alpha) [1/s], and the largest two of these ratios.
         """
         B, beta, (stiffest, fastest) = self._scales
         a0, a1, b0 = (float(getattr(autopilot, name)) for name in GIVEN_GAINS)

@@ -341,8 +341,9 @@ class Plant(WithCoefficients):
         """Coefficients b1, b2 [1/s] and q [1/s^2] of the filter from a wind to its trim.
 
         The filter, eq before (17), is -B (s^2 + b2 s + q)/(s^2 + b1 s + q), the ratio of the
-        numerators of wind and deflection to the attitude; in the models without q it is -B (s +
-        b2)/(s + b1), and on a fixed path -B, with coefficients of zero.
+        numerators of wind and deflection to the attitude, with the trim deflection B per angle of
+        attack; in the models without q it is -B (s + b2)/(s + b1), and on a fixed path -B, with
+        coefficients of zero.
         """
         c = self.coefficients
         if self.model == "fixed-path":

@@ -492,8 +492,9 @@ class SystemPlant(Plant):
     def trim_filter(self) -> tuple[Any, Any, Any]:
         """Coefficients b1, b2 [1/s] and q [1/s^2] of the filter from a wind to its trim.
 
-        The filter is -B (s^2 + b2 s + q)/(s^2 + b1 s + q), with the given coefficients; without an
-        output flight_path_angle they are zero, and trim is -B times the wind.
+        The filter is -B (s^2 + b2 s + q)/(s^2 + b1 s + q), with the given coefficients and the trim
+        deflection B per angle of attack; without an output flight_path_angle they are zero, and
+        trim is -B times the wind.
         """
         if "flight_path_angle" not in self.outputs:
             return 0.0, 0.0, 0.0

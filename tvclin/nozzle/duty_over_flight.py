@@ -330,8 +330,9 @@ class _Conditions:
     def _limits(self, vehicle: Vehicle, placed: dict[str, PlacedWind]) -> dict[str, float]:
         """Return the share of the deflection limit [rad] by plane, in proportion to trim.
 
-        `vehicle`: frozen at its flight time. `placed`: the wind in each plane. Trim is B times the
-        peak of the wind in that plane; a single plane has the whole limit, and a calm plane none.
+        `vehicle`: frozen at its flight time. `placed`: the wind in each plane. Trim is the peak of
+        the wind in that plane times B, the trim deflection per angle of attack; a single plane has
+        the whole limit, and a calm plane none.
         """
         case = self.case
         if len(placed) == 1:

@@ -248,10 +248,10 @@ def _draw_boundaries(
 ) -> ControlPlot:
     """Return the figure of the boundary over tau*beta in rectangular and triangular winds.
 
-    `name`: name of its numbers. `title`: title. `tau_beta`: abscissas, positive; None for the usual
-    ones. `dead_bands`: K, a curve each. `coefficients`: of a vehicle with drift; None on a
-    fixed path. K1 is the report's fraction of the wind that counts with drift, eq (15b); b1 and b2
-    [1/s] are the zeros from deflection and from wind to attitude, eq (B7).
+    `name`: name of its numbers. `title`: title. `tau_beta`: abscissas, durations of the wind times
+    the unstable pole; None for the usual ones. `dead_bands`: K, a curve each. `coefficients`: of a
+    vehicle with drift; None on a fixed path. K1 is the report's fraction of the wind that counts
+    with drift, eq (15b); -b1 and -b2 [1/s] are the zeros from deflection and from wind to attitude.
     """
     x, c = _abscissas(tau_beta), coefficients
     dead_bands = _fractions(dead_bands)

@@ -272,7 +272,8 @@ def attitude_chart(
     dead_band : float
         K, in [0, 1].
     tau_beta : sequence of float
-        Durations of the wind in units of 1/beta, or with damping 1/p, one for each panel.
+        Durations of the wind in units of 1/beta, or with damping of 1/p, p being the unstable pole;
+        one for each panel.
     factors : sequence of float
         Deflection limits in units of the boundary limit of each wind, one for each curve.
     until : float

@@ -249,7 +249,7 @@ class Equations:
         """Return the constant equations of plants, a sequence of the plant at each of `PRESSURES`.
 
         A plant may be a batch ``(n,)``. Constant equations have a single step, with the same E =
-        [A b w] at its begin, middle and end.
+        [A b w] at its begin, middle and end: state matrix, columns of deflection and of wind.
         """
         E, slopes = of_pressure(plants)  # slopes: E_1 and E_2, the change of E with q/q_n
         order, columns = E.shape[-2:]  # m states, m + 2 columns of [A b w]

@@ -86,8 +86,9 @@ class LoadProgram:
     def solve(self, aim: str, bound: float) -> Solution | None:
         """Return the deflection of minimum peak at a load bound, or of minimum load at a peak.
 
-        The load [rad] is alpha + M delta. None if infeasible. `aim`: which is minimised, `PEAK` or
-        `LOAD`. `bound`: of the other [rad].
+        The load is alpha + M delta [rad], angle of attack and deflection with the weight M of the
+        case. None if infeasible. `aim`: which is minimised, `PEAK` or `LOAD`. `bound`: of the other
+        [rad].
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 

@@ -353,7 +353,7 @@ def flown_plane_limit(
     plant, law, wind, limit_shape, saturate, sample_rate
         Same as in `fly_planes`.
     lowest, highest : float
-        Range of the limits, over ``|B|`` times the largest wind vector.
+        Range of the limits, over the trim deflection ``|B|`` times the largest wind vector.
     **flight
         Options of `fly_planes`: rate_limit, actuator, delay, yaw_plant.
 

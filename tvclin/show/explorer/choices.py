@@ -203,7 +203,8 @@ def switches(plan: StudyPlan) -> dict[str, tuple[str, bool]]:
 def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
     """Return the sliders, by field, with start values of a plan and ranges for all vehicles.
 
-    Limits and gains have the scale of ``|B|``, and of ``|B|/beta`` [s] for a rate gain.
+    Limits and gains have the scale of ``|B|``, trim deflection per angle of attack, and a rate gain
+    of ``|B|/beta`` [s], beta being sqrt(mu_alpha).
     """
     (start_B, start_rate_scale), *others = (
         _sizes(vehicle, plan.plane) for vehicle in (plan.vehicle, *vehicles)
@@ -419,7 +420,7 @@ def _with_room(slider: Slider) -> Slider:
 def _sizes(vehicle: AnyVehicle, plane: str) -> tuple[float, float]:
     """Return ``|B|`` and ``|B|/beta`` [s] of a vehicle in a plane; 1 without a moment.
 
-    They are the scales of canonical gains.
+    They are the scales of gains: B is the trim deflection per angle of attack, beta sqrt(mu_alpha).
     """
     c = coefficients_of(vehicle, plane)
     B, beta = float(np.abs(c.B)) or 1.0, float(np.sqrt(np.abs(np.asarray(c.mu_alpha)))) or 1.0
