@@ -272,7 +272,10 @@ class FlightCase(Flying):
 
     @property
     def heads(self) -> list[str]:
-        """Lines on the engine of the flight and its assumptions."""
+        """Lines on the engine of the flight and its assumptions.
+
+        With a `condition` (altitude, specific impulse) the vehicle varies along a gravity turn.
+        """
         assumed = f"parameters frozen {NOMINAL}, flat planet at rest, rigid, no actuator"
         if self.condition is not None:
             assumed = (

@@ -215,7 +215,7 @@ class GainProblem:
             for criterion in self.criteria.limits
             if criterion.margin in MARGINS  # of the whole loop
         ]
-        if self.crossover is not None:
+        if self.crossover is not None:  # upper limit of the gain crossover [rad/s]
             with np.errstate(over="ignore"):  # with a denormal crossover
                 fractions.append(highest_crossover(margins) / self.crossover - 1.0)
         worst = np.max(np.nan_to_num(fractions, nan=_UNSTABLE), axis=0)

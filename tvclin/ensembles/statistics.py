@@ -327,7 +327,11 @@ class SurvivalFraction(Shown):
 
     @property
     def line(self) -> Line:
-        """The fraction with its interval, in a sentence."""
+        """The fraction that flies with its interval, in a sentence.
+
+        It also has the fractions with every unknown one lost and flown (`bounds`), and the number
+        of independent ones with the same information (`effective`).
+        """
         unknown = (*number("availability.unknown", self.unknown, 0), " unknown")
         if not self.judged:
             return ("none judged, ", *unknown)

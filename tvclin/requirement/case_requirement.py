@@ -165,9 +165,9 @@ class CaseRequirement:
 
     @property
     def plane_ratio(self) -> float:
-        """Limit of both planes over that of this plane alone; 1 if this plane alone is judged.
+        """Limit of both planes over the limit of this plane; 1 if no other plane is judged.
 
-        It is the ratio of the deflections at the wind's peaks, see `ratio_to`.
+        The ratio is given by the wind's peaks in both planes, see `ratio_to`.
         """
         return (
             self.planes.ratio_to(self.plane)

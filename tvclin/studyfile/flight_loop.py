@@ -164,7 +164,7 @@ class FlightLoop:
         plan = self.plan
         swept = sweep(
             self.flight,
-            self.sampled[plan.plane],
+            self.sampled[plan.plane],  # autopilot over the flight, with the rate of its samples
             self.times,
             factors=(),  # no detuned modes
             model=self.model,

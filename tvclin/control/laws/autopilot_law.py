@@ -126,9 +126,9 @@ class SystemLaw(_AutopilotLaw):
 
 
 def gain_numbers(autopilot: Autopilot) -> dict[str, Any]:
-    """Return the gains of an autopilot by the measurement, or state, that each is a factor on.
+    """Return the gains of an autopilot by name: the measurement or state that each multiplies.
 
-    The names are those of `LawNumbers`.
+    `LawNumbers` has the same names.
     """
     return {
         "attitude": autopilot.attitude_gain,

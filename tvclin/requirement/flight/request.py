@@ -351,7 +351,7 @@ class SizingRequest:
         )
 
     def times(self, case: Case) -> NDArray[Any]:
-        """Return flight times [s]: first, last and even times between them, ``(n,)``.
+        """Return flight times [s], ``(n,)``: `start`, `stop`, and one `every` so many seconds.
 
         By default the longest pulse, with its peak at the first or last, lies in the schedule.
 

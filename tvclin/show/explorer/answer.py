@@ -118,9 +118,9 @@ def placed(plan: StudyPlan) -> ShapedWind:
 
 @Cached
 def motion(plan: StudyPlan, law: str) -> Motion:
-    """Return the motion of a plan's vehicle in its wind; a gust must have a time.
+    """Return the motion of the vehicle of a plan in its wind; a gust must have a time.
 
-    `law`: name of the law. The response to the report's control is exact, that of `tvclin respond`;
+    `law`: name of the law. The response to the report's control is exact, as by `tvclin respond`;
     a law is flown by the engine of `tvclin fly --engine linear`. The report's control trims and
     then holds the limit, with the sign against the wind. `InputError` for a vehicle without a
     moment.
