@@ -176,7 +176,7 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
     width = np.maximum(np.abs(roots.real), _MIN_AXIS_DISTANCE * size)
     offsets = np.concatenate([-_ROOT_OFFSETS[:0:-1], _ROOT_OFFSETS])
     around = np.abs(roots.imag)[..., np.newaxis] + width[..., np.newaxis] * offsets
-    real_frequencies = loop.real_frequencies()
+    real_frequencies = loop.real_frequencies()  # where L is real: candidates of crossovers
     parts = [
         steps,
         around.reshape(len(around), roots.shape[-1] * offsets.size),

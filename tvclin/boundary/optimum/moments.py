@@ -115,7 +115,7 @@ class Constraints:
         """
         if self.real:
             return rows
-        first = np.cumsum(self._rows) - self._rows
+        first = np.cumsum(self._rows) - self._rows  # first row of each pole, which has one or two
         paired = self._rows == 2
         second = np.where(paired, rows[np.minimum(first + 1, rows.size - 1)], 0.0)
         return rows[first] - 1j * second
