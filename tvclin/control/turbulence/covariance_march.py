@@ -250,7 +250,7 @@ def march_times(
         single("wind", wind.batch)
     constant = isinstance(loop, DrivenLoop)
     longest = _STEP_OF_ONE_VEHICLE_S if constant else _STEP_OF_A_FLIGHT_S
-    # lengths [s] of the steps up to each jump of the states in a sample; without samples of one step
+    # lengths [s] of the steps up to each jump of the states in a sample, or of one step
     steps_by_interval = [_sample_steps(jump) for jump in loop.jumps] or [np.array([longest])]
     lengths = np.concatenate(steps_by_interval)
     repetitions = (stop - start) / lengths.sum() - 1e-9  # rounding adds none
