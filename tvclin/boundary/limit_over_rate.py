@@ -116,12 +116,12 @@ def ramped_deflection(
     )
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # full rate: d0 p/(r f(p r/c)) = 1 - e^(-p d/r), with r f(p r/c) = (c/p)(1 - e^(-p r/c))
-        worth = np.where(np.isinf(c), r, -(c / pole) * np.expm1(-pole * r / c))
-        full_rate = np.where(np.isinf(r), d0, -(r / pole) * _log1m(d0 * pole / worth))
+        reduced_rate = np.where(np.isinf(c), r, -(c / pole) * np.expm1(-pole * r / c))
+        full_rate = np.where(np.isinf(r), d0, -(r / pole) * _log1m(d0 * pole / reduced_rate))
         # full rate is never reached: d0 = d f(x)^2 with x = p sqrt(d/c)
         x = -_log1m(pole * np.sqrt(d0 / c))
-        short = np.where(np.isinf(c), d0, c * (x / pole) ** 2)
-        return np.where(c * short < r**2, short, full_rate)
+        below_full_rate = np.where(np.isinf(c), d0, c * (x / pole) ** 2)
+        return np.where(c * below_full_rate < r**2, below_full_rate, full_rate)
 
 
 def ramp_rate(minimum: ArrayLike, pole: ArrayLike, deflection: ArrayLike) -> FloatArray:

@@ -135,8 +135,8 @@ def two_plane_requirement(
 
 def _check_turning(pair: PlanePair, K: float) -> None:
     """Raise `InputError` for a wind of `pair` that turns where b1 < 0 and the dead band `K` > 0."""
-    falling = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
-    if any(falling) and K > 0.0 and not pair.wind.unidirectional:
+    negative_b1 = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
+    if any(negative_b1) and K > 0.0 and not pair.wind.unidirectional:
         raise InputError(
             "a wind that turns requires plants with b1 of zero or more, for with b1 < 0 trim grows"
             " when the wind is over; take dead_band=0, or what each plane requires by itself"

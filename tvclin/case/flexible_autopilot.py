@@ -71,6 +71,7 @@ def flexible_answer(
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
+    # boundaries are sought at least up to the limit
     flexible, rigid = (
         stop_boundary(vehicle, law, wind, limit or 0.0, hardware)
         for vehicle in (plant, plant.rigid)

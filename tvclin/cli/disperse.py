@@ -291,6 +291,7 @@ def _print(summary: CampaignSummary, more: bool) -> None:
     """Print the verdict, what it depends on most, and with `more` the convergence."""
     table, convergence = summary.tables()
     dispersions = summary.results.campaign.dispersions
+    # by default, with or without dispersions of the wind
     assumed = dispersions in (DEFAULT_DISPERSIONS, _OF_THE_VEHICLE)
     notes = [f"these dispersions are assumed: {dispersions.words}"] * assumed
     print_answer(

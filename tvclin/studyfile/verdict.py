@@ -61,7 +61,8 @@ def _answered(question: Question, limit: float | None) -> Line:
     `limit`: deflection limit [rad], named after the reason; None without one.
     """
     measure = question.measure
-    # `whose`: beginning of a sentence on a requirement, "this autopilot requires"
+    # `whose`: beginning of a sentence on a requirement, "this autopilot requires"; with NaN the
+    # measure alone has the required value, such as a rate
     if measure is not None and question.whose and np.isnan(question.required_deflection):
         required, available, _ = measured("verdict", measure)
         return (f"{question.answer}: {question.whose} ", *required, " and has ", *available)

@@ -124,7 +124,7 @@ class History(Record, ABC):
         def at(t: ArrayLike) -> AnyArray:
             """Return the remaining integrals of `s` from the times `t` [s] on, ``(batch, times)``.
 
-            `integral`: function from times, in one axis, to them.
+            `integral` takes times of one axis.
             """
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):

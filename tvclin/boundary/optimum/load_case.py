@@ -256,7 +256,7 @@ class LoadWeights:
             areas[k] = h.sum(axis=1)
             first += (h * x).sum(axis=1) * self.widths
         area, size, used = areas.sum(axis=0), np.abs(areas).sum(axis=0), 0.0
-        if rate_prices is not None:
+        if rate_prices is not None:  # the rate limit's part; `size` is of |h - K'| from here on
             used = self._apply_ramps(area, first, size, rate_prices != 0.0)
         # integral of h after the last node, by unstable mode
         later = (self._before[-1] * -self.case.step_states)[self.case.unstable]

@@ -303,6 +303,7 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))
     knots = transforms.size * winds[0].shape[-1]
     work = (winds, which, np.ascontiguousarray(filled), transforms)
+    # the constants are the seconds per breakpoint, in plain Python and as machine code
     run(onset_integrals, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
     with np.errstate(invalid="ignore"):
         demands = -strength * (transforms if np.iscomplexobj(filled) else np.real(transforms))

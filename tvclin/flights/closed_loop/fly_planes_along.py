@@ -132,8 +132,8 @@ def fly_planes_along(
 def _continuation(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
     """Return the flights of both planes with a later end, at which they can be settled, or None.
 
-    The end is the later one of `FlownFlight.further`; None where neither plane has one. `pair`:
-    flights in pitch and in yaw, which then do not go on again.
+    The end is the later of both planes'; `further` is the flight of one plane with a later end, or
+    None if it cannot go on. `pair`: flights in pitch and in yaw, undecided at the present end.
     """
     stops = [along.further.stop for along in pair if along.further is not None]
     return [replace(along, stop=max(stops), goes_on=False) for along in pair] if stops else None

@@ -115,7 +115,8 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
         return diverged
 
     steps = (step / float(PARTS) ** np.arange(1, LEVELS + 1)).tolist()
-    # of each refinement the step, the steps that must survive, and how many the last step has
+    # of each refinement the step, the steps above the highest loss that must survive, and the steps
+    # in one step of the scan before
     levels = [(fine, ABOVE * PARTS, PARTS) for fine in steps]
     highest, ends = _highest_losses(lost, scan[:, np.newaxis], levels)
     values, outcomes = np.concatenate(tried), np.concatenate(status)

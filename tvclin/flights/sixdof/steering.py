@@ -87,6 +87,7 @@ class TrimThenHold:
         the wind, at the end of the step (`_ends`). From where it reaches K times the limit on
         (`_level`), the limit is constant (`_constant`), with the sign of trim. The measured angle
         of attack has the mean wind of the step in it (`_means`). With K = 0 the wind alone counts.
+        In the step of the switch it is the mean of trim and limit (`_switching_mean`).
         """
         if self._constant is not None:
             return self._constant

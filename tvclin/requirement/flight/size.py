@@ -526,10 +526,10 @@ def _along(
     winds: dict[bytes, list[NominalWind]] = {}
 
     def key_of(wind: PlacedWind) -> bytes:
-        """Return the bytes of a wind as its key, and store under it the wind of `winds`.
+        """Return the bytes of a wind as its key, and store the wind in `winds` under this key.
 
-        That is its history of one sign and, if it has both, of both signs: for a sounding with the
-        dynamic pressure of its wind speeds, for another wind at the nominal one.
+        Stored are its history of one sign and, if it has both, that of both signs: of a sounding
+        with the dynamic pressure of its wind speeds, of another wind at the nominal one.
         """
         histories = (wind.in_flight, *([wind.two_sided] if wind.two_sided else []))
         key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)

@@ -269,7 +269,10 @@ class Soundings:
         )
 
     def _selected(self, index: IndexArray) -> Self:
-        """Return the soundings at the positions `index`, ``(k,)``, in their order."""
+        """Return the soundings at the positions `index`, ``(k,)``, in their order.
+
+        `RANGES` names the arrays over the levels of all soundings.
+        """
         offsets, levels = gather(self.offsets, index)
         return replace(
             self,
