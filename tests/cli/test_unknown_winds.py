@@ -30,9 +30,10 @@ def winds(tmp_path_factory):
 
 
 def answer(winds, name, command, limit, *options):
-    """Return exit code and JSON of a command with a limit [deg] in a sounding."""
+    """Return exit code and JSON of a command with a limit [deg], or none, in a sounding."""
     verb, *words = command.split()
-    given = ("--winds", winds / f"{name}.csv", "--azimuth-deg", 90, "--limit-deg", limit)
+    given = ("--winds", winds / f"{name}.csv", "--azimuth-deg", 90)
+    given += ("--limit-deg", limit) if limit else ()
     words = [verb, "configuration-i", *words, *given, *options, "--json"]
     done = CliRunner().invoke(app, [str(word) for word in words])
     return done.exit_code, json.loads(done.stdout)
@@ -65,6 +66,12 @@ def test_a_limit_that_is_sufficient_in_a_known_wind_is_not_known_with_gaps(winds
     assert exit_code == (0 if command == "respond" else 1)
     exit_code, found = answer(winds, name, command, 0.15)
     assert survived(found) is False
+
+
+@pytest.mark.parametrize(("name", "unknown"), [("known", False), ("with gaps", True)])
+def test_the_limits_of_all_laws_are_not_known_in_a_sounding_with_gaps(winds, name, unknown):
+    _, found = answer(winds, name, "fly --law all", None)
+    assert any("survival is not known" in note for note in found["notes"]) is unknown
 
 
 @pytest.mark.parametrize("name", ["with gaps", "too short"])

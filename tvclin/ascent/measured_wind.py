@@ -295,6 +295,11 @@ class MeasuredPlanes:
         }
 
 
+def hundredths(time: float, *, up: bool) -> str:
+    """Return a flight time [s] rounded up or down to hundredths, in words."""
+    return f"{(np.ceil if up else np.floor)(100.0 * time) / 100.0:.10g}"
+
+
 def unknown_between(wind: MeasuredWind | MeasuredPlanes, first: float, last: float) -> str:
     """Return why a measured wind is not known between two flight times, in words; often empty.
 
@@ -303,9 +308,9 @@ def unknown_between(wind: MeasuredWind | MeasuredPlanes, first: float, last: flo
     """
     begin, end = wind.known
     if first < begin or end < last:
-        # rounded inwards to 0.01 s, so that the times printed are known
-        low, high = np.ceil(100.0 * begin) / 100.0, np.floor(100.0 * end) / 100.0
-        return f"the wind is known from {low:.10g} to {high:.10g} s alone"
+        # rounded inwards, so that the times printed are known
+        first_known, last_known = hundredths(begin, up=True), hundredths(end, up=False)
+        return f"the wind is known from {first_known} to {last_known} s alone"
     return wind.gaps.reason(first, last)
 
 

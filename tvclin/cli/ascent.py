@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
+from tvclin.ascent.measured_wind import hundredths
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
@@ -44,7 +45,7 @@ from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.controllability import ControllabilityRatio
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.request import SizingRequest
-from tvclin.requirement.flight.sizing import STEADY, Sizing, hundredths
+from tvclin.requirement.flight.sizing import STEADY, Sizing
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
 from tvclin.requirement.required_quantity import Requirement
 from tvclin.requirement.study import uncounted_sign

@@ -308,7 +308,7 @@ class _Answer:
             "duration_s": self.duration,
             "flexible": self.plant.structure is not None,
             "cuts": cuts,
-            "notes": linear_notes(self.peak),
+            "notes": self._notes,
             "sample_rate_Hz": self.rate,
             "trim_deflection_deg": max(trims.values()),
             "trials": [
@@ -330,7 +330,7 @@ class _Answer:
         name = self.case.vehicle.name or source
         rate = f"{self.rate:g} Hz, delay {1000.0 * self.case.autopilot_design.delay:g} ms"
         limits, *others = limit_tables(self.trials, self.bounds)
-        notes = (*linear_notes(self.peak), *limit_warnings(self.trials), LEGEND)
+        notes = (*self._notes, *limit_warnings(self.trials), LEGEND)
 
         def details() -> None:
             """Print the tables below the answer, and lines on vehicle, flight and scan of limits.
@@ -346,6 +346,13 @@ class _Answer:
         print_answer(self._verdict, limits, notes=notes, more=more, details=details)
 
     @property
+    def _notes(self) -> tuple[str, ...]:
+        """Notes on a wind that is not known throughout, or beyond linear aerodynamics."""
+        unknown = self.case.unknown_wind
+        notes = (f"survival is not known: {unknown}",) if unknown else ()
+        return notes + linear_notes(self.peak)
+
+    @property
     def _verdict(self) -> str:
         """The law that requires the least in the worst of the winds."""
         largest: dict[str, float] = {}
@@ -357,6 +364,7 @@ class _Answer:
         return (
             f"{best} requires the lowest limit of {plural(len(largest), 'law')}:"
             f" {largest[best]:.3f} deg in {worst}"
+            f"{', which is not known throughout' if self.case.unknown_wind else ''}"
         )
 
 

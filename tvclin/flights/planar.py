@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -86,7 +86,7 @@ class PlanarMotion:
         check_path(self.drift, self.sensors)
         single("vehicle", self.vehicle.replace(time=None).batch)
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of the states: of the vehicle, the altitude if it varies, and of the sensors."""
         return (*STATES[: 4 if self.nominal is None else 5], *self.sensors.states)

@@ -8,6 +8,7 @@ normal to the body, without gravity, through a first-order lag.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import compress
 from typing import Any
 
@@ -41,13 +42,13 @@ class LateralSensors:
     station: float = 0.0
     bandwidth: float = 100.0
 
-    @property
+    @cached_property
     def signals(self) -> tuple[str, ...]:
         """Names of the outputs of the sensors."""
         measured = (self.drift_rate, self.drift, self.acceleration)
         return tuple(compress((DRIFT_RATE, DRIFT, ACCELERATION), measured))
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of the states of the sensors: the drift, and the lag of the accelerometer.
 

@@ -13,7 +13,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind
+from tvclin.ascent.measured_wind import MeasuredPlanes, MeasuredWind, hundredths
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
@@ -38,7 +38,7 @@ from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import select_unstable
 from tvclin.nozzle.duty import NozzleDuty, Work
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
-from tvclin.requirement.flight.sizing import flight_times, hundredths
+from tvclin.requirement.flight.sizing import flight_times
 
 _RELATIVE_TOLERANCE = 1e-12
 """Excess of a requirement, relative to what is available, that counts as rounding."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,7 @@ class InitialValueSolution:
         index = np.searchsorted(rising * self.ends[1:-1], rising * times)
         begin, end = self.ends[index], self.ends[index + 1]
         positions = np.clip((2.0 * times - begin - end) / (end - begin), -1.0, 1.0)
-        factors = interpolation_factors(chebpts2(_DEGREE + 1), positions)
+        factors = interpolation_factors(_points(), positions)
         x = np.einsum("md,mdk->km", factors, self.values[index])
         return x if np.ndim(t) else x[:, 0]
 
@@ -81,7 +82,7 @@ def initial_value_solution(
     valid : callable
         Function from x ``(k, m)`` to whether f may be evaluated there.
     """
-    points = chebpts2(_DEGREE + 1)
+    points = _points()
     to_coefficients = np.linalg.inv(chebvander(points, _DEGREE))
     integral = chebvander(points, _DEGREE + 1) @ chebint(to_coefficients, lbnd=-1.0)
     # from values at the points of an interval of length one to integrals from its start
@@ -101,6 +102,12 @@ def initial_value_solution(
         polynomials.append(values.T)
         length = np.copysign(min(2.0 * abs(length), abs(stop - time)), length)
     return InitialValueSolution(np.array(ends), np.reshape(polynomials, (-1, _DEGREE + 1, x.size)))
+
+
+@cache
+def _points() -> FloatArray:
+    """Return the Chebyshev points of an interval, in [-1, 1], ``(degree + 1,)``."""
+    return np.asarray(chebpts2(_DEGREE + 1))
 
 
 def _picard(

@@ -454,11 +454,6 @@ def flight_times(times: Collection[float]) -> str:
     )
 
 
-def hundredths(time: float, *, up: bool) -> str:
-    """Return a flight time [s] rounded up or down to hundredths, for an option."""
-    return f"{(np.ceil if up else np.floor)(100.0 * time) / 100.0:.10g}"
-
-
 def _unknown_notes(sizing: Sizing) -> list[str]:
     """Return notes on winds of a sizing that are not known over the entire flight."""
     begin, end = sizing.schedule.span
