@@ -523,13 +523,13 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
 def _nodes(case: LoadCase) -> FloatArray:
     """Return nodes [s] of a `case`, even in the wind and in growing steps after it.
 
-    They contain all breakpoints of the wind and of the reference, and resolve unstable oscillation.
+    They hold the breakpoints of wind and reference deflection, and resolve unstable oscillation.
     """
     wind, unstable = case.wind, case.poles[case.unstable]
     start, end = float(wind.onset), float(wind.end)
-    length = end - start
-    count = int(np.clip(_CELLS_PER_TIME_CONSTANT * case.fastest * length, _MIN_CELLS, _MAX_CELLS))
-    width = length / count
+    cells = _CELLS_PER_TIME_CONSTANT * case.fastest * (end - start)
+    count = int(np.clip(cells, _MIN_CELLS, _MAX_CELLS))
+    width = (end - start) / count
     slowest = float(unstable.real.min()) if unstable.size else case.fastest
     last = end + _SPAN_OVER_TIME_CONSTANT / slowest
     # sums of a geometric series of widths, up to the last node

@@ -142,7 +142,8 @@ def row_of(name: str, value: object) -> FloatArray:
 def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:
     """Return numbers with those that are rounding of the largest one replaced by zero.
 
-    `size`: largest number of the computation, if it is larger than all of `values`.
+    `size`: largest number of the computation, if it is larger than all of `values`. NaN and
+    infinite values stay.
     """
     sizes = np.abs(np.where(np.isfinite(values), values, 0.0))
     return np.where(sizes <= _ROUNDING * sizes.max(initial=size), 0.0 * values, values) + 0.0

@@ -135,7 +135,7 @@ class StudyPlan(Case):
         """Check the fields, and that the parts of the plan suit each other."""
         super().__post_init__()
         if not isinstance(self.wind, VehicleWind | History):
-            pulse_of(self)
+            pulse_of(self)  # raises for a wind of another type
         instance("reading", self.reading, SoundingReading, "of the table [sounding]")
         self._check_parts()
 

@@ -211,7 +211,7 @@ class PlaneWind:
     def direction(self) -> Any:
         """Direction [rad] of the wind vector from the pitch plane, shape ``batch``.
 
-        Of a veering wind it is the direction of its largest term.
+        Of a veering wind it is the direction of the term c u^k e^(lambda u) with the largest c.
         """
         pitch, yaw = self._terms
         largest = np.argmax(np.abs(pitch) + np.abs(yaw), axis=-1)[..., np.newaxis]

@@ -318,10 +318,13 @@ class LoopOverFlight:
         `wind`: known wind [rad], to which the mean is the response; without it the mean is zero.
         `pressure`: ratio of the dynamic pressure to the nominal one, at the times of the schedule.
         """
-        air = self.request.over_altitude if self._air_is_table else self.request.at()
+        of_altitude = self._air_is_table  # whether the intensity follows the altitudes
+        turbulence = self.request.over_altitude if of_altitude else self.request.at()
         vehicle, plane = at_pressure(self.schedule.vehicle, pressure), self.case.plane
         flown = replace(self.schedule, vehicle=vehicle)
-        return turbulence_along(flown, self.gains, air, wind=wind, model=self.model, plane=plane)
+        return turbulence_along(
+            flown, self.gains, turbulence, wind=wind, model=self.model, plane=plane
+        )
 
     def response(self, time: float, pressure: float, pulse: History) -> CovarianceHistory:
         """Return the response to a pulse from its onset on, frozen at a flight time [s].

@@ -544,8 +544,7 @@ class SizingRequest:
 
         def totals_of(refined: Sizing) -> dict[float, float]:
             """Return the totals [rad] of a sizing by its flight times [s], with all `options`."""
-            # the requirement that enters the total for the wind, in the worse direction
-            counted = self.counted(refined, case.sign)
+            counted = self.counted(refined, case.sign)  # requirement of the wind, worse direction
             totals = totals_over_flight(refined, counted, **options)
             return {
                 x.time: x.total for x in totals if x.time is not None and x.time in refined.times
