@@ -359,7 +359,7 @@ class LoadLimits:
     def at(self, load: float) -> tuple[float, float, float]:
         """Return limit [rad], its lower bound [rad] and slope at a load bound `load` [rad].
 
-        The slope is the decrease of the lower bound per load. Linear programs on finer nodes are
+        The slope is the decrease of the bound (`_proved`) per load. Programs on finer nodes are
         solved until the gap is small; a mixture of their controls attains the limit, else infinite.
         """
         if load < self.load_floor:

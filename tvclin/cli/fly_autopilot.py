@@ -457,7 +457,10 @@ class AutopilotFlight:
             verdict, notes = self._verdict, [requirement, *notes]
 
         def details() -> None:
-            """Print the comparison with trim, the motion, the autopilot and its bounds."""
+            """Print the remaining `tables`, the motion, the autopilot and its bounds.
+
+            Only a loop that is `stable` has a motion and bounds.
+            """
             print_tables(*tables[1:])
             if stable:
                 uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"

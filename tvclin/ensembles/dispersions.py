@@ -168,7 +168,8 @@ class Dispersions:
             raise errors.InputError("numbers must all be above 0 and below 1")
         normal = ndtri(drawn)
         if self.correlation is not None:
-            # Element by element: the bits of a matrix product depend on the number of cases.
+            # Correlated by the Cholesky factor `_factor` of the correlation matrix, element by
+            # element: the bits of a matrix product depend on the number of cases.
             columns = zip(normal.T, self._factor.T, strict=True)
             normal = sum((column[:, np.newaxis] * row for column, row in columns), 0.0 * drawn)
         values, possible = {}, np.ones(len(normal), dtype=bool)

@@ -161,7 +161,7 @@ class PlanarMotion:
 
         `x`: states, ``(states, ...)``. `gust`: wind angle of attack [rad] on the nominal path.
         """
-        alpha, _ = self._air(self._nominal_state(t), x, gust)
+        alpha, _ = self._air(self._nominal_state(t), x, gust)  # with the air speed
         return alpha
 
     def _air(self, now: _Nominal, x: Any, gust: Any) -> tuple[Any, Any]:
@@ -329,7 +329,7 @@ class PlanarCase:
         for first, last in pairwise(np.unique([start, *inside, max(stop, start + 1e-9)])):
             inputs = smooth_piece(control, float(first)), smooth_piece(self.wind, float(first))
             result = solve_ivp(
-                self._rates,
+                self._rates,  # derivatives of the states
                 (first, last),
                 state,
                 method="DOP853",

@@ -320,7 +320,7 @@ class FlexiblePlant(Shown, WithCoefficients):
             return C, np.zeros((*self.batch, len(self.inputs)))
         # displacements at the sensor of translation z, rotation theta and modes
         displacements = (1.0, station, *(mode.accelerometer_displacement for mode in modes))
-        per_state, per_input = self._accelerations
+        per_state, per_input = self._accelerations  # rows: of translation, rotation, modes
         D = np.zeros((*self.batch, len(self.inputs)))
         for body, displacement in enumerate(displacements):
             factor = np.asarray(displacement)[..., np.newaxis]

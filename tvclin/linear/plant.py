@@ -427,7 +427,7 @@ class Plant(WithCoefficients):
         forces = normal * self.numerator("angle_of_attack", input)
         if input == "deflection":
             forces = polynomials.add(forces, thrust * self.denominator)
-        rotation = polynomials.times_variable(self._attitude(input), 2)
+        rotation = polynomials.times_variable(self._attitude(input), 2)  # numerator of theta''
         return polynomials.add(forces, station * rotation)
 
     def _velocity(self, signal: str) -> FloatArray:

@@ -206,7 +206,7 @@ class Curves:
             ends = np.maximum(sign * begin, sign * end)
         # a slope of one at an end adds at most this fraction of the length of the step
         slopes = np.abs(self.demand_slope).sum(axis=-1)
-        return np.asarray(ends + _SLOPE_FRACTION * self._lengths * slopes)
+        return np.asarray(ends + _SLOPE_FRACTION * self._lengths * slopes)  # lengths in s
 
     def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.

@@ -246,7 +246,7 @@ class History(Record, ABC):
         It is searched at the knots, on both sides of each jump, between them, and beyond the last
         one in an endless piece.
         """
-        if self._linear:
+        if self._linear:  # straight pieces, whose largest value is at an end
             values = self.shape_samples
             where = np.argmax(np.abs(values), axis=-1)[..., np.newaxis]
             return np.take_along_axis(values, where, axis=-1)[..., 0]

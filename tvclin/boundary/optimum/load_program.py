@@ -92,8 +92,8 @@ class LoadProgram:
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
-        below, upper = self._limits(aim, bound)
-        equal, right = self._states
+        below, upper = self._limits(aim, bound)  # inequalities of load, peak and rate
+        equal, right = self._states  # equations of motion of the modes, in units of `_unit` [rad]
         free = np.full(equal.shape[1], np.inf)
         # bounds of the variables: deflections, states of the modes at the nodes, and the minimised
         if aim == LOAD:

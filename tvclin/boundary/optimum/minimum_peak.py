@@ -452,7 +452,8 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
         """Return minus the peak that a direction phi proves, over omega (1 + k^2), ``(c, m)``.
 
-        It is -|Re(d e^(-j phi))|/((1 + k^2) integral of e^(-k x) |cos(x + phi)| dx over x > 0).
+        With the `demands` d it is -|Re(d e^(-j phi))|/(1 + k^2) over the integral of e^(-k x) times
+        |cos(x + phi)| over x > 0.
         `zero`: first zero x = pi/2 - phi of the cosine [rad], ``(m,)`` or ``(c, m)``. `i`: indices
         of c pairs.
         """

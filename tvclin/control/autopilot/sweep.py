@@ -130,6 +130,7 @@ class Sweep(Tabled):
     def table(self) -> Table:
         """Return the table of the worst of each margin, its time and its limit."""
         rows: list[tuple[Line, ...]] = []
+        # `_judged` has the criterion of each margin
         for k, (worst, judged) in enumerate(zip(self.worst, self._judged, strict=True)):
             unit, key = judged.criterion.unit, f"sweep.worst.{k}"
             value: Line = ("-",)

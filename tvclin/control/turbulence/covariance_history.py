@@ -76,7 +76,7 @@ class CovarianceHistory(GaussianOutputs):
 
         `InputError` for an unknown output.
         """
-        row, direct = self._row(output)
+        row, direct = self._row(output)  # output = row x + direct alpha_w, x being the states
         return self._mean_of(row, direct)
 
     def deviation(self, output: str = DEFLECTION) -> FloatArray:
@@ -350,8 +350,8 @@ def turbulence_along(
     def loop_at(times: FloatArray) -> DrivenLoop:
         """Return the loops in turbulence at flight times [s], constant beyond the flight.
 
-        Loads have the dynamic pressure of the flight if they have none of their own
-        (`pressure_of_flight`).
+        `load_slopes`, at the times of the `schedule`, have the dynamic pressure of the flight if
+        they have none of their own (`pressure_of_flight`). `noise`: of the sensors.
         """
         time = np.clip(times, *flight.span)
         autopilots, plants = autopilots_and_plants(time)

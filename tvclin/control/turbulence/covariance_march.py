@@ -64,7 +64,7 @@ class VaryingLoop:
         `_nodes` are the loops at the five nodes of each interval, between which each entry of
         their matrices is interpolated.
         """
-        first, weights = self._weights(times)
+        first, weights = self._weights(times)  # first of five nodes for each time, their weights
         smooth = replace(self._nodes, jumps=())
         return smooth.mapped(lambda values: _values_at(values, first, weights))
 
@@ -82,7 +82,7 @@ class VaryingLoop:
 
         The rate of an output y = row x has the derivative of the row over time too.
         """
-        first, weights = self._weights(times)
+        first, weights = self._weights(times)  # first of five nodes for each time, their weights
 
         def varying(values: FloatArray) -> FloatArray:
             """Return `values`, ``(nodes, ...)``, interpolated to the n times [s], ``(n, ...)``.

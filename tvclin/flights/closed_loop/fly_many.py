@@ -298,7 +298,10 @@ def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
     start = flights(flight)  # arrays of the kernel at the start of the flight
 
     def status(limits: FloatArray) -> NDArray[np.str_]:
-        """Return the status of flights with limits [rad], ``(n,)``."""
+        """Return the status of the `flight` with each of the limits [rad], ``(n,)``.
+
+        `start`: arrays of the kernel at the start of this single flight.
+        """
         # the single row of each array, once for each limit
         cases, now = (
             (np.repeat(array, limits.size, axis=0) for array in arrays)

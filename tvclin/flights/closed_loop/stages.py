@@ -438,8 +438,9 @@ class Stages:
         def at_nodes(made: LinearSystem) -> LinearSystem:
             """Return the constant systems equal to varying ones over parts of samples.
 
-            Shape ``(parts, m)``. `made`: systems at all places; the first ones are at the first
-            Gauss point of each part of each sample, then as many at the second.
+            Shape ``(parts, m)``, as their `lengths` [s]. `made`: systems at all places, a batch of
+            the `shape`; the first ones are at the first Gauss point of each part of each sample,
+            then as many at the second.
             """
             nodes = lengths.size  # parts times m
             first, second = (

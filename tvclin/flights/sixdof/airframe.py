@@ -494,7 +494,8 @@ class Airframe:
             """Set the deflection of the other plane for the next step: reference plus feedback.
 
             Fed back are attitude minus flight path angle [rad], and the attitude rate minus the
-            reference's [rad/s], with the gains `on_lean` and `on_rate`.
+            reference's [rad/s], with the gains `on_lean` and `on_rate`. `angles` and `rates` read
+            angles and rates of the other plane from JSBSim.
             """
             path_rate, deflection = next(reference)
             attitude, path = angles()

@@ -371,9 +371,9 @@ def _steering(
     memory, limits = np.zeros(len(steps.states), complex), np.array([limit])
 
     def command_of(planes: list[Measurement]) -> tuple[float, float]:
-        """Return the commands [rad] in pitch and yaw, and update the state of the law.
+        """Return the commands [rad] in pitch and yaw within `limits`, and update the law's state.
 
-        `planes`: measurements in pitch and yaw.
+        `planes`: measurements in pitch and yaw. `steps`: state space of the law over a step.
         """
         nonlocal memory
         pitch, yaw = planes
