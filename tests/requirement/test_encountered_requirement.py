@@ -376,12 +376,14 @@ def test_a_direction_says_which_sign_a_flight_meets(blows_from, own) -> None:
         request.sizing(replace(plan, sign=own))
 
 
-@pytest.mark.thorough
-def test_dispersed_studies_with_a_gust_are_studies_of_their_cases() -> None:
-    """Each is a march of its own."""
+@pytest.mark.parametrize("gust_speed", usual([None, 10.0], 1))
+def test_dispersed_studies_with_a_gust_are_studies_of_their_cases(gust_speed) -> None:
+    """Each is a march of its own; a gust by its speed [m/s] is too."""
     vehicle = tv.load_vehicle("configuration-i")
     gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=2.0)
     wind = tv.ShapedWind("triangular", np.radians(5.0), 7.5, gust=gust, gust_at=3.0)
+    if gust_speed is not None:
+        wind = wind.with_gust_speed(gust_speed, vehicle, "pitch")
     spread = tv.Dispersions((
         tv.Dispersion("thrust", "uniform", 0.05),
         tv.Dispersion("wind_peak", "uniform", 0.2),

@@ -111,8 +111,8 @@ def encountered_wind(
     gust = wind.gust_history(values)
     if gust is not None and wind.gust_speed is None:
         angle = gust * factor if angle is None else angle + gust * factor
-    elif gust is not None and wind.gust_speed is not None:
-        gust = gust * (factor * wind.gust_speed / (float(gust.peak) * velocity))
+    elif gust is not None and wind.gust is not None and wind.gust_speed is not None:
+        gust = gust * (factor * wind.gust_speed / (float(wind.gust.peak) * velocity))
         speed = gust if speed is None else speed + gust
     if wind.heading is not None:
         # a negative peak blows the other way
