@@ -252,7 +252,7 @@ def over_rate(
     with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
         theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
-    laws = _flown_limits(case) if every_law else None
+    laws = _flown_limits(case) if every_law else None  # limit of each law over the rate limit
     drawn = laws or trade_off
     first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
     rates = _RequiredRates(theory, autopilot_rate, REQUIRED if limit is None else "limit")

@@ -42,14 +42,14 @@ def sentence(findings: Findings) -> Line:
     judged = failed or unknown or list(answers)
     sized = [question for question in judged if not np.isnan(question.required_deflection)]
     subject = max(sized, key=lambda question: question.required_deflection, default=None)
-    if limit is None and not failed:
+    if limit is None and not failed:  # the required deflection, without a verdict
         subject, line = None, _required(findings.study)
     elif limit is not None and subject is not None and (failed or not unknown):
-        line = _limit_against(subject, limit, not failed)
+        line = _limit_against(subject, limit, not failed)  # sufficient, or not
     elif limit is not None and subject is not None and limit < subject.required_deflection < np.inf:
-        line = _limit_against(subject, limit, None)
+        line = _limit_against(subject, limit, None)  # not known, and below a requirement
     else:
-        subject = judged[0]
+        subject = judged[0]  # an answer without a comparison
         line = _answered(subject, limit)
     others = [question for question in answers if question is not subject and not question.yes]
     return (*line, *_covered_wind(answers), *_named(others), ".")

@@ -392,7 +392,7 @@ def stationary(loop: DrivenLoop) -> tuple[FloatArray, FloatArray]:
     poles = np.linalg.eigvals(F)
     if abs(pole := poles[np.argmax(np.abs(poles))]) >= 1.0:
         raise InputError(f"{_unstable(pole)} in z, and so no stationary covariance")
-    P = periodic_covariance(F, noise)
+    P = periodic_covariance(F, noise)  # just behind a sample, then through its intervals
     covariances, weights = [], []
     simpson = np.array([1.0, *([4.0, 2.0] * (_PHASES // 2))[:-1], 1.0]) / (3.0 * _PHASES)
     period = sum(jump.length for jump in loop.jumps)

@@ -454,27 +454,27 @@ def totals_over_flight(
         rate_limit = errors.number("rate_limit", rate_limit, errors.between(*RATES), "rad/s")
     if turbulence is not None and not isinstance(turbulence, str):
         errors.instance("turbulence", turbulence, FlightTurbulence, "see SizingRequest.turbulence")
-    winds = _needs(sizing, requirement_among("name", name, sizing.required))
-    if never := [time for time, wind in winds if np.isinf(wind)]:
+    needs = _needs(sizing, requirement_among("name", name, sizing.required))
+    if never := [time for time, need in needs if np.isinf(need)]:
         raise errors.InputError(
             f"at {never[0]:g} s no limit is sufficient at this dead band, so that there is no"
             " total; take a larger one"
         )
     totals = []
-    for t, wind in winds:
+    for t, need in needs:  # required deflection [rad] of the worst wind
         others: tuple[Line, ...] = ()
         if isinstance(turbulence, FlightTurbulence):
             name_of_line = f"turbulence, {turbulence.request.label}"
             others = (Line(name_of_line, turbulence.quantile_at(t), kind="random"),)
         total = total_deflection(
             sizing.schedule.at(t),
-            wind,
+            need,
             nominal=float(sizing.schedule.nominal_at(t)),
-            dispersion=ratio * wind,
+            dispersion=ratio * need,
             others=others,
             **offsets,  # type: ignore[arg-type]
         )
-        totals.append(_at_rate(total, wind, _fastest(sizing, t), rate_limit))
+        totals.append(_at_rate(total, need, _fastest(sizing, t), rate_limit))
     return totals
 
 
@@ -492,7 +492,7 @@ def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]
         by_wind = np.fmax.reduce(required[:, fixed], axis=0)
         times = np.clip(arises[fixed], *sizing.schedule.span)
         needs += zip(times.tolist(), by_wind.tolist(), strict=True)
-    return [(time, wind) for time, wind in needs if not np.isnan(wind)]
+    return [(time, need) for time, need in needs if not np.isnan(need)]
 
 
 def flight_end(sizing: Sizing, time: float | None) -> str:
