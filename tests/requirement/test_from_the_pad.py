@@ -96,29 +96,40 @@ def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None
         assert np.all(sizing.required[name][1:, 0] > 0.0)
 
 
+def diverge(flight, wind, limits):
+    """Return whether the trim law diverges with limits [rad], by an own integration."""
+    step = 5e-3
+    times = np.arange(*flight.span, step)
+    plant = tv.Plant.from_vehicle(flight.clamped_at(times), "drift-exact")
+    A, inputs, _, _ = plant.matrices()
+    angle = wind(times)
+    stiff = np.sqrt(A[:, 1, 0])
+    x = np.zeros((limits.size, A.shape[-1]))
+    back = 10.0 * A[:, 1, 0] / inputs[:, 1, 0]
+    for k in range(times.size - 1):
+        trim = -(x @ A[k, 1] + inputs[k, 1, 1] * angle[k]) / inputs[k, 1, 0]
+        command = trim - back[k] * (x[:, 0] + x[:, 1] / stiff[k])
+        delta = np.clip(command, -limits, limits)
+        rates = x @ A[k].T + np.outer(delta, inputs[k, :, 0]) + angle[k] * inputs[k, :, 1]
+        x = x + step * rates
+    row, reach = FlightMode(flight, "drift-exact", "pitch", flight.span).at(times[-1])
+    return (np.abs(x @ row) > limits * abs(reach)).tolist()
+
+
 @pytest.mark.thorough
 def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
     """The trim law is flown by an own integration, at 0.95 and 1.02 of what is said."""
     encountered = tv.fly_through(sounding(), flight, azimuth=EAST)
     need = tv.size(flight, encountered, times=[60.0], varying=True).required["K = 1, varying"][0, 0]
-    step = 5e-3
-    times = np.arange(*flight.span, step)
-    plant = tv.Plant.from_vehicle(flight.clamped_at(times), "drift-exact")
-    A, inputs, _, _ = plant.matrices()
-    wind = encountered.wind(times)
-    stiff = np.sqrt(A[:, 1, 0])
-    limits = need * np.array([0.95, 1.02])
-    x = np.zeros((limits.size, A.shape[-1]))
-    back = 10.0 * A[:, 1, 0] / inputs[:, 1, 0]
-    for k in range(times.size - 1):
-        trim = -(x @ A[k, 1] + inputs[k, 1, 1] * wind[k]) / inputs[k, 1, 0]
-        command = trim - back[k] * (x[:, 0] + x[:, 1] / stiff[k])
-        delta = np.clip(command, -limits, limits)
-        rates = x @ A[k].T + np.outer(delta, inputs[k, :, 0]) + wind[k] * inputs[k, :, 1]
-        x = x + step * rates
-    row, reach = FlightMode(flight, "drift-exact", "pitch", flight.span).at(times[-1])
-    lost = np.abs(x @ row) > limits * abs(reach)
-    assert lost.tolist() == [True, False]
+    assert diverge(flight, encountered.wind, need * np.array([0.95, 1.02])) == [True, False]
+
+
+def test_flights_decide_after_a_while_in_which_two_modes_are_a_pair(flight) -> None:
+    """They are a pair until 19 s; then a limited flight drifts further than one in trim."""
+    wind = tv.RectangularWind(peak=np.radians(4.0), duration=20.0)
+    need = tv.size(flight, wind, times=[20.0], varying=True).required["K = 1, varying"][0, 0]
+    placed = wind.shift(10.0)
+    assert diverge(flight, placed, need * np.array([0.995, 1.005])) == [True, False]
 
 
 def archive(*strengths):

@@ -65,6 +65,8 @@ signs, or more than once while the path drifts. With less than the first the att
 linear range."""
 _MIN_RATIO_SIGN_CHANGE = 0.01
 """Smallest limit of flights over the largest trim, where mu_alpha changes its sign."""
+_ALL_OF_TRIM_FRACTION = 1.0 - 1e-6
+"""Fraction of the largest trim from which on a limit counts as never reached."""
 _MIN_LIMIT = 1e-12
 """Smallest limit of a flight [rad], in place of zero."""
 _EVEN_STEP = 0.125
@@ -402,11 +404,11 @@ def _of_flights(
     equations = winds.equations
     # whether flights decide each requirement, and the lowest limits [rad] that they try
     flown, lowest = decided_by_flights(equations, trim_and_demand, limit)
-    finite = np.isfinite(trim_and_demand.demand[:, 0, 0]) & ~np.any(equations.paired, axis=(1, 2))
+    finite = np.isfinite(trim_and_demand.demand[:, 0, 0])
     required = np.maximum(limit, minimum)
     if not np.any(finite & (flown | equations.drifts)):
         return required
-    confirmed = np.flatnonzero(finite & ~flown)
+    confirmed = np.flatnonzero(finite & ~flown & ~np.any(equations.paired, axis=(1, 2)))
     if equations.drifts and confirmed.size:
         times, wind, ratio = (_at_substeps(x) for x in (winds.times, winds.wind, winds.ratio))
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
@@ -446,7 +448,8 @@ def decided_by_flights(
     ``(n,)``; the lowest limits are fractions of it, or of trim where mu_alpha changes its sign.
     Flights decide where trim reaches it with both signs, where the path drifts and is quick, or
     trim crosses it more than once, and where mu_alpha changes its sign, since the demand of a
-    constant deflection is no bound then.
+    constant deflection is no bound then. Where two unstable modes are a pair for a while, `limit`
+    counts all of trim then, and flights may only require more.
     """
     two_signs, second_interval = (
         trim_and_demand.reaches_both_signs(limit),
@@ -457,7 +460,10 @@ def decided_by_flights(
     changes = np.broadcast_to(equations.changes_sign, limit.shape)
     lowest = np.where(changes, _MIN_RATIO_SIGN_CHANGE * trim_and_demand.largest_trim, lowest)
     quick = equations.quick_path & equations.drifts
-    return two_signs | second_interval | quick | changes, lowest
+    for_a_while = np.any(equations.paired, axis=(1, 2))
+    never_limited = for_a_while & (limit >= _ALL_OF_TRIM_FRACTION * trim_and_demand.largest_trim)
+    lowest = np.where(for_a_while, limit, lowest)
+    return (two_signs | second_interval | quick | changes) & ~never_limited, lowest
 
 
 @dataclass(frozen=True, eq=False)

@@ -139,8 +139,6 @@ class PlaneMarch:
         equations, march = stepped.equations, stepped.curves()  # trim and demand over time
         (limit, _time), highest = self._limit(march), march.highest_limit
         limit = np.maximum(limit, self._limit_at_levels(winds, march, stepped))
-        if np.any(equations.paired):
-            return Bounds(lower=limit, upper=limit, lowest=limit, highest=highest)
         minimum = np.zeros(limit.shape)
         for cases, peaks in stepped.peaks_over_modes(march.path):
             # from the begin of the first step on
