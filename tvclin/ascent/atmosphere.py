@@ -111,8 +111,7 @@ def speed_of_sound(air: Air) -> FloatArray:
 def density_at(altitude: float) -> float:
     """Return the density [kg/m^3] of the standard atmosphere at one geometric altitude [m].
 
-    It is plain arithmetic, for every step of a flight. The outermost layers are continued, as by
-    `air_at`.
+    Plain arithmetic, for every step of a flight. The outermost layers are continued (`air_at`).
     """
     altitude = min(max(altitude, LOWEST - _CONTINUATION), HIGHEST + _CONTINUATION)
     height = _EARTH_RADIUS * altitude / (_EARTH_RADIUS + altitude)  # geopotential

@@ -169,8 +169,7 @@ class NominalFlight:
     def states_within(self, t: Any) -> FloatArray:
         """Return `states` at a time `t` [s], ``(3,)``, or at times ``(n,)``, ``(3, n)``.
 
-        They are velocity [m/s], flight path angle [rad] and altitude [m]. The times are not checked
-        to lie in the span.
+        They are velocity [m/s], flight path angle [rad], altitude [m]. Times are not checked.
         """
         early, late = self._solutions
         if np.ndim(t) == 0:

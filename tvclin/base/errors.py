@@ -332,10 +332,7 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
     """
 
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
-        """Return angles `value` in `unit`, "rad" or "deg", as an array.
-
-        `InputError` about `name` where `check` raises it, and for a size of 90 degrees or more.
-        """
+        """Return angles `value` as an array; `InputError` by `check`, and from 90 degrees on."""
         array = check(name, value, unit)
         largest = np.abs(array).max(initial=0.0)
         if unit == "deg" and largest >= 90.0:

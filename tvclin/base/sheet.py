@@ -276,8 +276,7 @@ def read_sheet(path: str | PathLike[str], kind: str, fit: Fit, missing: str) -> 
 def sheet_in(text: Text, fit: Fit, missing: str) -> Sheet:
     """Return the table of a `text` below its line of names, the line that fits best.
 
-    `fit`: function of headings to the number of known columns. `missing`: that line in words.
-    `InputError` without it.
+    `fit`: function from headings to the number of known ones. `missing`: that line, for the error.
     """
     head = head_of(text, fit)
     if head is not None:

@@ -186,15 +186,13 @@ TURBULENCE_TABLE = file_table("[turbulence]", TurbulenceRequest, words=("file",)
 def turbulence_of(document: Mapping[str, Any], folder: Path) -> TurbulenceRequest | None:
     """Return the request of [turbulence] of a document, None without it.
 
-    `document`: tables of a file. `folder`: folder in which a file of turbulence over altitude is
-    searched.
+    `document`: tables of a file. `folder`: where a file of turbulence over altitude is searched.
     """
 
     def request(keys: dict[str, Any]) -> TurbulenceRequest:
         """Return the request of the keys of [turbulence].
 
-        Numbers over altitude are a table, from a file in `folder`, or from the rows of the key
-        level.
+        Numbers over altitude are from a file in `folder`, or from the rows of the key level.
         """
         values = TURBULENCE_TABLE.read(keys)
         path, levels = values.pop("file", None), values.pop(LEVELS, None)

@@ -343,9 +343,8 @@ def _top(
 def main() -> None:
     """Run the command line.
 
-    A letter that the terminal lacks becomes a question mark, in the locale POSIX as well. A width
-    of the terminal that is no positive number (``COLUMNS=0``) counts as none. SIGTERM cleans up as
-    Ctrl-C does.
+    A letter that the terminal lacks becomes a question mark. A width of the terminal that is no
+    positive number (``COLUMNS=0``) counts as none. SIGTERM cleans up as Ctrl-C does.
     """
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors in _STRICT_HANDLERS:
         sys.stdout.reconfigure(errors="replace")

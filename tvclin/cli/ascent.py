@@ -335,10 +335,9 @@ def _judged_planes(sizing: Sizing) -> str:
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     """Yield notes on options that change the flight times, or the window of a sounding.
 
-    `request`: request of the flight, its times and winds. `sizing`: its result, with the required
-    deflection by time and wind. Times may be added that no option excluded, or left out where a
-    wind is not known; a window is advised where beta or B changes by more than a tenth within a
-    sounding.
+    `request`: the flight, its times and winds. `sizing`: its result, with the required deflection
+    by time and wind. Times may be added that no option excluded, or left out where a wind is not
+    known; a window is advised where beta or B changes by more than a tenth within a sounding.
     """
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))

@@ -184,9 +184,8 @@ def print_in_wind(
 ) -> None:
     """Print the required deflection of a case at nominal dynamic pressure, and the minimum peak.
 
-    `title`: vehicle and wind, above the table. `dead_bands`: dead bands K, ``(k,)``. `control`:
-    start and horizon [s] of the control that knows the wind. `more`: whether the details are
-    printed.
+    `title`: vehicle and wind, above the table. `dead_bands`: K, ``(k,)``. `control`: start and
+    horizon [s] of the control that knows the wind. `more`: whether the details are printed.
     """
     from tvclin import plots
 

@@ -457,8 +457,7 @@ class _Answer:
     def print(self, source: str, more: bool) -> None:
         """Print the verdict on the gains, the table of rules or of the box, and notes.
 
-        `source`: name of the file, for a vehicle without a name. `more`: whether the details are
-        printed, and all notes.
+        `source`: file, for a vehicle without a name. `more`: whether details and all notes follow.
         """
         name = self.case.vehicle.name or source
         poles = f"; poles at {self.frequency:.3g} rad/s" if self.frequency else ""

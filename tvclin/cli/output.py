@@ -35,8 +35,7 @@ _MAX_NOTES = 3
 def say(words: str, err: bool = False) -> None:
     """Print words: in lines that fit the terminal, and as they are into files and pipes.
 
-    A control character, as a file name can have it, is a question mark. `err`: whether they go to
-    stderr.
+    A control character, as in a file name, is a question mark. `err`: whether to stderr.
     """
     from rich.console import Console
 

@@ -180,8 +180,7 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
 def _print_details(findings: Findings, source: str, wind: str) -> None:
     """Print the vehicle, its poles, dispersions and turbulence.
 
-    `wind`: the line on the required deflection, which stands below the boundaries; empty where they
-    are the answer.
+    `wind`: line on the required deflection, below the boundaries; empty where they are the answer.
     """
     s = findings.study
     say("")

@@ -165,8 +165,7 @@ class WindOptions(PulseOptions):
     def soundings_along(self, source: str) -> "dict[str, SoundingRequest]":
         """Return the soundings of --winds, a file or a folder, for a whole flight, by name.
 
-        `source`: file of the case, whose keys of soundings say how they are read. `InputError` for
-        options of a pulse.
+        `source`: file of the case, whose keys say how they are read. `InputError` with a pulse.
         """
         self._check_no_pulse()
         reading = SoundingReading.of(source_tables(source), Path(source).parent)

@@ -370,10 +370,9 @@ def survival_fraction(
 
     `flies`: 1 for a sounding that flies, 0 for one that does not, NaN for unknown. `required`:
     required deflections [rad], whose autocorrelation counts if all soundings fly, or none.
-    `times`: times of the soundings. `season`: number of the month of a year; only soundings of the
-    same season are compared. ``(n,)`` each. `confidence`: of the interval, in (0, 1). The interval
-    is by Clopper and Pearson for n/(1 + 2 sum of the autocorrelations) cases, up to the first that
-    is not positive.
+    `times`: times of the soundings. `season`: number of the month of a year; only soundings of one
+    season are compared. ``(n,)`` each. `confidence`: of the interval, in (0, 1), by Clopper and
+    Pearson for n/(1 + 2 sum of the autocorrelations up to the first that is not positive) cases.
     """
     judged_rows = ~np.isnan(flies)
     judged, flown = int(judged_rows.sum()), int(np.nansum(flies))

@@ -507,9 +507,8 @@ def check_plant(plant: object) -> None:
 def named_modes(plant: AnyPlant) -> tuple[tuple[str, ...], ComplexArray]:
     """Return the names of bending modes and tanks, and their poles in the airframe.
 
-    The names are "bending 1", .., "slosh 1", .., as in the structure, and of a `SystemPlant` "mode
-    1", .. by frequency. The poles are those with Im > 0 [1/s], ``(..., n)``; NaN for a mode that
-    does not oscillate.
+    The names are "bending 1", .., "slosh 1", .., as in the structure, of a `SystemPlant` "mode 1",
+    .. by frequency; the poles have Im > 0 [1/s], ``(..., n)``, NaN if a mode does not oscillate.
 
     Coupling moves the frequencies, and hardly ever changes their order: poles are matched in it to
     the frequencies of the structure. An oscillation of the rigid vehicle is omitted, where there

@@ -233,9 +233,8 @@ def _by_matrices(
 ) -> FloatArray:
     """Return the responses ``(..., outputs, n)`` without direct terms, by matrix exponentials.
 
-    They admit any poles; direct terms are D times deflection and wind. `plant`: plants of the
-    batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s], ``(n,)``. `shape`:
-    shape of the batch.
+    They admit any poles; direct terms are D times deflection and wind. `outputs`: names.
+    `deflection`, `wind`: inputs [rad]. `times`: [s], ``(n,)``. `shape`: shape of the batch.
     """
     values = np.empty((prod(shape), len(outputs), times.size))
     rows = [plant.outputs.index(output) for output in outputs]

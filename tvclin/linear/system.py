@@ -266,9 +266,8 @@ def connect(
     """Return the system of blocks whose signals are joined by their names.
 
     A signal is the sum of all outputs, and of the external input, of its name; it drives every
-    input of that name. `blocks`: all in continuous time, or all in discrete time of one period.
-    `inputs`, `outputs`: external inputs, and the signals to observe. `InputError` for an algebraic
-    loop.
+    input of that name. `blocks`: all in continuous time, or in discrete time of one period.
+    `inputs`, `outputs`: external inputs, observed signals. `InputError` for an algebraic loop.
     """
     block_inputs = [name for block in blocks for name in block.inputs]
     used = {*block_inputs, *outputs}

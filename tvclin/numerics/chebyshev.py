@@ -185,8 +185,7 @@ class Surface:
         """Return the factors from the rows of `table` to values at m points, ``(m, 2 points)``.
 
         `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each. The first half of the rows are
-        differences at the Chebyshev points of x and y, the second their slopes by z, whose factors
-        have z in addition.
+        differences at the Chebyshev points of x and y, the second slopes by z, with z as a factor.
         """
         of_x = _factors(self.degree, _angles(x, *self.x))
         of_y = _factors(_Y_DEGREE, _angles(y, *self.y))

@@ -266,9 +266,8 @@ def analyse_loops(loop: AnyLoop) -> LoopAnalysis:
 def classical_margins(analysis: LoopAnalysis) -> FloatArray:
     """Return the smallest margins of stable loops and their frequencies [rad/s], ``(4, 2, k)``.
 
-    Margins: aero margin (gain reduction) and gain increase as factors, phase margin [rad] and delay
-    margin [s]. A margin without a crossover is infinite, and its frequency NaN. `analysis`:
-    crossovers of k loops.
+    Aero margin (gain reduction) and gain increase are factors, then phase [rad] and delay margin
+    [s]; infinite without a crossover, with the frequency NaN. `analysis`: crossovers of k loops.
     """
     # k L is -1 for k = 1/|L| where L is real and negative: the gain may fall by 1/k where k < 1 and
     # rise to k where k > 1.

@@ -608,13 +608,11 @@ def rightmost_poles(
     """Return the rightmost closed-loop poles [1/s], by falling real part, as far as they converge.
 
     `A`, `B`, `C`: loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L = 0.
-    `delay`: T [s], positive. `loop`: function L with its delay of complex frequencies ``(m,)``
-    [1/s].
+    `delay`: T [s], positive. `loop`: L with its delay, of complex frequencies ``(m,)`` [1/s].
 
     The delayed signal is a wave v(t, theta) with dv/dt = dv/dtheta on -T <= theta <= 0, whose
     values at Chebyshev points are states beside x, with x' = A x + B v(-T) and v(0) = -C x.
-    Eigenvalues of all of it start Newton's method on 1 + L(s); the list ends before the first that
-    moves too far.
+    Its eigenvalues start Newton's method on 1 + L(s); the list ends at the first that moves far.
     """
     n, wave = len(A), _chebyshev_derivative(_CHEBYSHEV_POINTS) * (2.0 / delay)
     generator = np.zeros((n + _CHEBYSHEV_POINTS, n + _CHEBYSHEV_POINTS))
@@ -637,8 +635,7 @@ def rightmost_poles(
 def _chebyshev_derivative(count: int) -> FloatArray:
     """Return the differentiation matrix at n + 1 Chebyshev points from 1 to -1, n = `count`.
 
-    Shape ``(n + 1, n + 1)``: it takes values of a polynomial at the points to those of its
-    derivative.
+    Shape ``(n + 1, n + 1)``: from values of a polynomial at the points to its derivative's values.
     """
     x = np.cos(np.pi * np.arange(count + 1) / count)
     c = np.ones(count + 1)  # barycentric weights, inverted

@@ -550,8 +550,7 @@ def _particular_solution(c: AnyArray, gap: AnyArray) -> AnyArray:
     """Return the polynomial a with a' + gap a = c, for each rate that differs from the pole.
 
     a e^(rate u) then solves y' = pole y + c e^(rate u). `c`: coefficients, lowest power first,
-    ``(..., rates, order)``, as the result. `gap`: rate - pole ``(..., rates)`` [1/s]; where it is
-    zero, c must be.
+    ``(..., rates, order)``, as the result. `gap`: rate - pole [1/s]; where it is zero, c must be.
     """
     gap = np.where(gap == 0.0, 1.0, gap)[..., np.newaxis, :]
     result = np.zeros(c.shape, dtype=np.result_type(c, gap))

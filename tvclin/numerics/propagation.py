@@ -342,8 +342,7 @@ def _highest_samples(
     `rows`: rows of value, slope and curvature, ``(3, n)``. `matrix`: M of state' = M state.
     `powers`: e^(M t) from the start of the block to each of k steps, ``(k, n, n)``. `states`:
     states at this start, ``(m, n)``. `steps`: times of the samples in their piece [s], ``(k, m)``.
-    `samples`: values, slopes and curvatures, ``(k, 3, m)``. `bound`: size below which a summit is
-    of no interest.
+    `samples`: values, slopes and curvatures, ``(k, 3, m)``. `bound`: size of a summit that counts.
     """
     sizes = np.abs(samples[:, 0])
     pieces = np.arange(sizes.shape[1])

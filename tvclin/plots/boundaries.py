@@ -560,8 +560,7 @@ def _at(x: FloatArray, points: FloatArray, values: Sequence[float]) -> FloatArra
 def _styles(engine: str) -> dict[str, Style]:
     """Return the line styles of theory and of the flights of an engine, by label.
 
-    Equations are lines; flights are marks alone, those with varying parameters after those of the
-    engines.
+    Equations are lines; flights are marks alone, those with varying parameters last.
     """
     styles: dict[str, Style] = {
         _EQUATION_12: {"color": "0.45", "ls": LINES[1], "lw": 1.6},

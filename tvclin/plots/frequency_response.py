@@ -169,10 +169,9 @@ def _frame_nichols(
 ) -> None:
     """Set the limits of the axes of a Nichols chart: around margins, criteria and the loop.
 
-    `samples`: the loop over frequency. `marks`: marks of its margins. `box`: extent of the
-    criteria upwards and downwards [dB], and half width [deg]. Levels, grid and contours of |T| are
-    drawn too. The frame holds whole boxes, ends at multiples of 30 deg and 3 dB, and shows phases
-    from -540 to 180 deg.
+    `samples`: the loop over frequency. `marks`: its margins. `box`: extent of the criteria upwards
+    and downwards [dB], and half width [deg]. Levels, grid and contours of |T| are drawn too. The
+    frame holds whole boxes, ends at multiples of 30 deg and 3 dB, and shows -540 to 180 deg.
     """
     up, down, half_width = box
     heights = [mark.y for mark in marks if np.isfinite(mark.y)]

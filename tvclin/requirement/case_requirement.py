@@ -230,8 +230,7 @@ class CaseRequirement:
     def wind_angle(self) -> float:
         """Peak size [rad] of the wind angle that the flight encounters.
 
-        It is the size of the vector of pitch and yaw for a wind with a direction (`planes`), else
-        the size in the plane.
+        Of the vector of pitch and yaw for a wind with a direction (`planes`), else in the plane.
         """
         return abs(float((self.planes or self.history).peak))
 

@@ -222,8 +222,7 @@ def _trim_law(plant: Plant, wind: History, cases: BoolArray, dead_band: float) -
 def _has_second_rise(wind: History) -> BoolArray:
     """Return whether winds rise again after they have fallen, so that trim may be limited twice.
 
-    Sizes of the wind angle count, at the samples that show its shape; changes within rounding of
-    the peak do not.
+    Sizes of the wind angle count, at samples that show its shape; changes within rounding do not.
     """
     size = np.abs(wind.peak)[..., np.newaxis]
     change = np.diff(np.abs(wind.shape_samples), axis=-1)

@@ -397,9 +397,8 @@ def _of_flights(
 
     Where the curves decide and the path drifts, a single flight confirms the limit, through the
     wind as its parabolas over the steps. A flight that diverges makes flights decide.
-    For an aerodynamically stable vehicle with an unstable path the law may not return the path to
-    equilibrium with any limit: flights then end with the wind, where the limit must reduce the
-    unstable component.
+    For an aerodynamically stable vehicle with an unstable path the law may not return the path with
+    any limit: flights then end with the wind, where the limit must reduce the unstable component.
     """
     equations = winds.equations
     # whether flights decide each requirement, and the lowest limits [rad] that they try

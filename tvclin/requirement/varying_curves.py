@@ -120,8 +120,7 @@ class Curves:
     def _largest(self, sign: float) -> FloatArray:
         """Return the largest trim of a sign [rad], ``(n,)``.
 
-        It is the largest of the samples and of the vertices of the parabolas through the three
-        samples of each step.
+        Of samples, and of vertices of the parabolas through the three samples of each step.
         """
         trim = self.trim
         begin, middle, end = np.moveaxis(sign * trim, -1, 0)

@@ -233,8 +233,7 @@ def _rigid(findings: Findings) -> Iterator[Assumption]:
 def _modes(findings: Findings) -> Iterator[Assumption]:
     """Yield the assumption on the frequencies of modes, where the findings have a stable loop.
 
-    It is doubtful where the loop becomes unstable with the frequency of a mode at most the fraction
-    `NEAR` off.
+    It is doubtful where the loop becomes unstable with a mode up to the fraction `NEAR` off.
     """
     f = findings.flexible
     if f is None or f.detuned is None or not f.bands.margins.stable:

@@ -431,9 +431,8 @@ def nozzle_of(document: Mapping[str, Any]) -> Nozzle:
 def _vehicle(source: Any, folder: Path, where: str, time: float | None) -> AnyVehicle:
     """Return the vehicle of a table, of the package by name, or of a file by path.
 
-    `source`: the table, name or path. `folder`: where relative paths begin. `where`: name of the
-    table that has `source`, for messages. `time`: flight time [s] at which a flight schedule is
-    taken.
+    `source`: the table, name or path. `folder`: where relative paths begin. `where`: table that has
+    `source`, for messages. `time`: flight time [s] at which a flight schedule is taken.
     """
     if isinstance(source, dict):
         if time is not None:

@@ -239,8 +239,7 @@ def key_tables() -> list[Table]:
 def column_tables() -> list[Table]:
     """Return tables of the columns of CSV files: of a flight, of its structure, and of gains.
 
-    They have the names of the keys without their tables; a filter of a table of gains has the
-    number N in its columns.
+    They are named by keys without tables; columns of a filter in a table of gains have its number.
     """
     vehicle = [
         key

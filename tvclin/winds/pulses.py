@@ -88,8 +88,7 @@ def set_fields(wind: History, **checked: FloatArray) -> None:
 def piecewise_linear(time: FloatArray, angle: FloatArray) -> Pieces:
     """Return the pieces of linear interpolation between points, zero outside.
 
-    `time`, `angle`: coordinates of the points, times [s] and angles [rad], ``(..., n)``. Two points
-    at one time are a jump.
+    `time`, `angle`: coordinates of the points [s, rad], ``(..., n)``; two at one time are a jump.
     """
     width, rise = np.diff(time, axis=-1), np.diff(angle, axis=-1)
     slope = np.where(width > 0.0, rise, 0.0) / np.where(width > 0.0, width, 1.0)

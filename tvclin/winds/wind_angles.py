@@ -91,8 +91,7 @@ def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:
     """Return the wind speed w along a path, over the vehicle's, for a wind angle of attack.
 
     By the sine rule in the wind triangle w = sin(alpha)/sin(Theta_n + alpha), positive from behind.
-    `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle, as on a
-    level path.
+    `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle.
     """
     sine = np.sin(np.add(path, angle))
     possible = (np.sin(path) > 0.0) & (sine > 0.0)

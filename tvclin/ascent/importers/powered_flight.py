@@ -580,8 +580,7 @@ def specified_gimbal(flight: Flight, station: float) -> Column:
 def above_sea(above_ground: Column, source: str, ground: float | None) -> Column:
     """Return altitudes above the sea [m] of those above the ground.
 
-    `source`: name of their file, for the error. `ground`: elevation of the launch site [m];
-    `InputError` for None.
+    `source`: name of their file. `ground`: elevation of the site [m]; `InputError` for None.
     """
     if ground is None:
         raise errors.InputError(

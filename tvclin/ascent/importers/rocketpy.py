@@ -141,8 +141,7 @@ def _aerodynamics(
 ) -> tuple[FloatArray, FloatArray, list[str]]:
     """Return slope of the normal force [1/rad], centre of pressure [m], ``(n,)`` each, and notes.
 
-    `rocket`: an object of RocketPy. `mach`: Mach numbers, ``(n,)``. `without`: names of surfaces
-    that are omitted.
+    `rocket`: of RocketPy. `mach`: Mach numbers, ``(n,)``. `without`: names of omitted surfaces.
     """
     slope = _sampled(rocket, "total_lift_coeff_der", mach, "rocket").values
     moment = slope * _sampled(rocket, "cp_position", mach, "rocket").values

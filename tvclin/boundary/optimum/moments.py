@@ -202,8 +202,7 @@ class Window:
     def end(self) -> float:
         """Time [s] at which the window is cut: the horizon; infinite for real poles without.
 
-        With a complex pair, whose sums change their sign without end, 34 of the slowest e-folding
-        times.
+        With a complex pair, whose sums change sign without end, 34 of the slowest time constants.
         """
         c = self.constraints
         if c.real or np.isfinite(c.horizon):

@@ -460,9 +460,8 @@ def _optimal_feedback(system: LinearSystem, costs: list[float], cost: float) -> 
 
     The cost is the integral of x' Q x + R delta^2, the weighted squares as a form in the states x.
     `system`: plant and lateral sensors, with the deflection as first input. `costs`: weights of the
-    squares of attitude, its rate, angle of attack, drift rate and drift; without effect on outputs
-    that the system does not have. `cost`: R, weight of the squared deflection. `InputError` for a
-    mode without a cost.
+    squares of attitude, its rate, angle of attack, drift rate and drift, as far as these are
+    outputs. `cost`: R, weight of the squared deflection. `InputError` for a mode without a cost.
     """
     import control
 

@@ -92,8 +92,7 @@ class Law(Record, ABC):
     def states(self) -> tuple[FloatArray, FloatArray]:
         """F ``(k, k)`` and G ``(k, 5)`` of s' = F s + G m, s being k states of the law.
 
-        m are five measurements: attitude, its rate, flight path angle, angle of attack, deflection.
-        By default k is zero.
+        m: attitude, its rate, flight path angle, angle of attack, deflection. By default k is zero.
         """
         return np.zeros((0, 0)), np.zeros((0, 5))
 

@@ -157,9 +157,8 @@ class RecoverableAttitudeLaw(Law):
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
         """Return the demanded deflection [rad], before the limit, for each of a batch of flights.
 
-        `measured`: numbers or ``(...)``, of which the first four count: attitude, its rate, flight
-        path angle, angle of attack. `states`: of the estimator, ``(2, ...)``, or none. `limit`
-        [rad]: ``(...)``.
+        `measured`: numbers or ``(...)``, of which four count: attitude, its rate, flight path
+        angle, angle of attack. `states`: of the estimator, ``(2, ...)``, or none. `limit`: [rad].
         """
         angles = measured[:4]
         shape = np.broadcast_shapes(*(np.shape(value) for value in (*angles, limit)))

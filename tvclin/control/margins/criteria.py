@@ -255,8 +255,7 @@ class Criteria:
 def _judge(criterion: Criterion, margins: Margins) -> Judgement:
     """Return the judgement by `criterion` of a margin of the whole loop.
 
-    `margins`: of one loop or a batch; the criterion names the attribute. NaN, of an unstable loop,
-    does not satisfy it.
+    `margins`: of one loop or a batch, by attribute. NaN, of an unstable loop, never satisfies it.
     """
     value = np.asarray(getattr(margins, criterion.margin), dtype=float)
     surplus = value - criterion.limit

@@ -140,8 +140,7 @@ class Loop:
         `A`, `B`, `C`: ``(..., n, n)``, ``(..., n, 1)`` and ``(..., 1, n)``; the leading axes
         broadcast. `D`: zero, of shape ``()`` or ``(..., 1, 1)``. `delay`: [s], ``(...)``.
         `InputError` for shapes of more than one input or output, numbers that are not finite or
-        beyond 1e15 (A) and 1e60 (B, C), a delay below zero, and an algebraic loop, D other than
-        zero.
+        beyond 1e15 (A) and 1e60 (B, C), a negative delay, and D other than zero, an algebraic loop.
         """
         limits = (_MAX_FREQUENCY, _MAX_INPUT_OUTPUT, _MAX_INPUT_OUTPUT)
         entries = zip("ABC", (A, B, C), limits, strict=True)
@@ -446,8 +445,7 @@ class SampledLoop(Loop):
     def _is_unstable(self, case: int, delays: FloatArray) -> BoolArray:
         """Return whether a loop has a pole z outside the unit circle with further delays, ``(m,)``.
 
-        `case`: index of the loop in the flattened batch. `delays`: [s], ``(m,)``, each in addition
-        to the loop's own.
+        `case`: index of the loop in the flattened batch. `delays`: [s], added to the loop's own.
         """
         assert self.delayed_closed_poles is not None  # else no delay margin asks for it
         loop_delay = self.loop_delay.ravel()[case]

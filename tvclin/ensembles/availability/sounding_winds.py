@@ -418,8 +418,7 @@ class SoundingWinds:
         """Return winds [m/s] at heights [m], ``(n, k)``; beyond the levels they are constant.
 
         `wind`: winds at the levels of all soundings, in the order of `height` of this record. Each
-        sounding's heights are shifted beyond the heights of the previous, so that one call of
-        `np.interp` serves all.
+        sounding is shifted above the previous, so that one call of `np.interp` serves all.
         """
         shifts = _SOUNDING_OFFSET * np.arange(self.offsets.size - 1)
         inside = np.clip(height, self.bottom[:, np.newaxis], self.top[:, np.newaxis])

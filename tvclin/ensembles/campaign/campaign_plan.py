@@ -138,9 +138,8 @@ def dispersed_flight(
     """Return the flight and the autopilot of one dispersed case.
 
     `plan`: nominal flight and autopilot. `dispersions`: dispersed parameters, and whether each is
-    scaled or shifted. `nominal`, `values`: nominal and dispersed values [SI] of the parameters at
-    the time of the vehicle of the campaign, by name. `InputError` for factors on modes of a flight
-    without a structure.
+    scaled or shifted. `nominal`, `values`: nominal and dispersed values [SI] at the time of the
+    campaign's vehicle, by name. `InputError` for factors on modes of a flight without a structure.
     """
     relative = {d.parameter: d.relative for d in dispersions.distributions}
 

@@ -249,9 +249,8 @@ class Replay:
     def flown(self, plane: str = "") -> "TimeResponseData":
         """Return the flight with limits, at the samples of its law.
 
-        It ends 20 time constants of the fastest unstable pole after the wind. `plane`: pitch or
-        yaw, empty for the campaign's. `InputError` when the case is impossible, or the
-        campaign flies nothing.
+        It ends 20 time constants of the fastest unstable pole after the wind. `plane`: pitch, yaw,
+        or empty for the campaign's. `InputError` for an impossible case, and where none is flown.
         """
         replayed = self._plane(plane)
         wind = replayed.batch.wind

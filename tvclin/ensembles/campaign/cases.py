@@ -101,8 +101,7 @@ def draw_case(campaign: Campaign, case: int) -> Dispersed:
 def batch(campaign: Campaign, cases: Dispersed) -> Batch:
     """Return the batch of plants, winds and gains of n cases of a campaign.
 
-    `cases`: dispersed values [SI], ``(n,)`` each, of cases that are all possible: no mass is
-    negative.
+    `cases`: dispersed values [SI], ``(n,)`` each, all of possible cases: no mass is negative.
     """
     changes = {
         k: v

@@ -174,8 +174,7 @@ def _exit_with_parent() -> None:
 def _quiet_tracker() -> None:
     """Restart multiprocessing's tracker of semaphores without its messages, if it was killed.
 
-    The new tracker has no record of the semaphores that are released afterwards, and would print a
-    KeyError for each.
+    The new one has no record of semaphores that are released later, and prints a KeyError for each.
     """
     errors, nowhere = os.dup(_STDERR), os.open(os.devnull, os.O_WRONLY)
     try:

@@ -58,8 +58,7 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     It is log(r)/h, r being the largest modulus of an oscillating eigenvalue of the step, and h [s]
     the length of a sample; where none oscillates, r is the smallest positive number. Slow modes do
     not count: real positive eigenvalues of the step, and frequencies below a tenth of the fastest
-    unstable pole, such as the pole of the path. `batch`: the loops. `f`: arrays of their flights,
-    at any sample.
+    unstable pole, as the path's. `batch`: the loops. `f`: arrays of their flights, at any sample.
     """
     # Flights that differ in their limit alone have the same loop, unless their law depends on it.
     laws, of_flight = np.unique(f.cases.law, return_inverse=True)

@@ -119,10 +119,9 @@ class TrimThenHold:
 def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     """Return the steering of a law, evaluated at every step, with actuator and limits.
 
-    The actuator follows its command of the step before by its exact step matrices, and the
-    deflection and rate are limited after it. `command`: the law, its actuator and the rate limit
-    [rad/s] of its servo. `limit`: deflection limit [rad]. `step`, `count`: length [s] and number of
-    the steps.
+    The actuator follows its command of the step before by its exact step matrices; deflection and
+    rate are limited after it. `command`: law, actuator and rate limit [rad/s]. `limit`: deflection
+    limit [rad]. `step`, `count`: length [s] and number of the steps.
     """
     assert isinstance(command.control, Law)
     law_command, max_rate = _command(command.control, limit, step, count), command.rate_limit

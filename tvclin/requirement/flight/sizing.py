@@ -299,9 +299,8 @@ class Sizing(Tabled):
     def _largest(self, winds: Sequence[int]) -> dict[Requirement, Worst]:
         """Return the largest value [rad] of each requirement over the flight, with time and wind.
 
-        `winds`: indices of the winds. A requirement that is NaN throughout is omitted. The time is
-        the flight time or, for a wind that is fixed in flight time, the time at which the
-        requirement arises.
+        `winds`: indices of the winds. A requirement that is NaN throughout is omitted. The time of
+        a wind that is fixed in flight time is that at which the requirement arises.
         """
         largest = {}
         for name, required in self.required.items():

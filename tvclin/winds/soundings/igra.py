@@ -481,10 +481,9 @@ def _above_previous(
 ) -> tuple[IndexArray, int, IntArray]:
     """Return indices of ascending levels, the number of repeats, and soundings of sunk levels.
 
-    A level ascends if it is above all levels before it in its sounding. `sounding`, `height`,
-    `index`: number of the sounding, height [m], or minus the logarithm of pressure, and index of
-    each level, ``(n,)``. A repeat has the height of the highest level before it, and a sunk level
-    is below it.
+    A level ascends if it is above all levels before it in its sounding; a repeat has the height of
+    the highest of these, and a sunk level is below it. `sounding`, `height`, `index`: number of the
+    sounding, height [m], or minus the logarithm of pressure, and index of each level, ``(n,)``.
     """
     stacked = height + _SOUNDING_SPACING * sounding  # each sounding above the one before
     highest = np.maximum.accumulate(np.concatenate([[-np.inf], stacked]))[:-1]
