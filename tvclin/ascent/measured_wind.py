@@ -82,10 +82,7 @@ class FlightWind(wind_angles.NominalWind):
     speeds: SoundingSpeeds
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n at times [s], by the wind triangle.
-
-        q/q_n is the dynamic pressure over the nominal one.
-        """
+        """Return wind angles [rad] and dynamic pressures over the nominal one at times [s]."""
         nominal, _ = super().at(times)
         return self.speeds.encountered(self.plane, nominal, times)
 

@@ -205,8 +205,8 @@ def _requirement_after_trim(
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
         Trim ends where the gauge of the driver (trim, or on the wind -B alpha_w) first reaches K L:
-        `gauges` has it at `times` [s].
-        The bound, of separate planes, is taken if it is `sufficient` [rad] or m is not `solved`.
+        `gauges` has it at `times` [s]. The bound, of separate planes, is taken if it is
+        `sufficient` [rad] or m is not `solved`.
         """
 
         def excess(t: float) -> float:

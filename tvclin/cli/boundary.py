@@ -221,10 +221,7 @@ def print_in_wind(
 def _required(
     plant: Plant, wind: History, dead_bands: FloatArray
 ) -> tuple[RequiredDeflection | None, list[str]]:
-    """Return the required deflection of a plant in a wind by dead band, ``(k,)``, and notes.
-
-    The deflection is None where there is no boundary limit.
-    """
+    """Return the required deflection by dead band, ``(k,)``, None without a boundary, and notes."""
     notes = [*linear_notes(float(wind.peak))]
     try:
         return required_deflection(plant, wind, dead_bands), notes

@@ -89,10 +89,7 @@ class Quantile(Shown):
         return self.within(0.01)
 
     def within(self, tolerance: float) -> bool:
-        """Return whether the bounds differ by at most `tolerance` times the estimate.
-
-        False where the estimate is infinite.
-        """
+        """Return whether the bounds differ by at most `tolerance` times the estimate, if finite."""
         if not np.isfinite(self.estimate):  # a lost flight requires an infinite limit
             return False
         return bool(self.upper - self.lower <= tolerance * abs(self.estimate))

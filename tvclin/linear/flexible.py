@@ -219,10 +219,7 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def poles(self) -> ComplexArray:
-        """Poles of the airframe [1/s] by falling real part, ``(..., n)``.
-
-        The poles of the sensors are not among them.
-        """
+        """Poles of the airframe [1/s], without the sensors', by falling real part, ``(..., n)``."""
         A, _ = self._airframe  # without sensors
         poles = np.linalg.eigvals(A).astype(complex)
         order = np.lexsort((-poles.imag, -poles.real), axis=-1)

@@ -134,10 +134,7 @@ class Motion:
 
 
 def largest(values: FloatArray, times: FloatArray) -> Point:
-    """Return the largest of `values` ``(n,)`` in size, with its sign, and its time [s].
-
-    `times`: of the values, ``(n,)``.
-    """
+    """Return the value of largest size of `values` ``(n,)``, with its sign, and its time [s]."""
     k = int(np.argmax(np.abs(values)))
     return Point(float(values[k]), float(times[k]))
 

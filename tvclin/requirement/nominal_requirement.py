@@ -402,7 +402,7 @@ class KnownWind(Shown):
     ) -> Table:
         """Return the table of the required deflection by dead band, ``(n,)``, and of the minimum.
 
-        `caption`: its caption. `required`: requirement of the wind at these dead bands, or None.
+        `required`: requirement of the wind at these dead bands, or None.
         The last column, what sets it, is dropped where that is always the boundary of the control.
         """
         head: tuple[str, ...] = ("dead band", "required [deg]", "over trim", "set by")
@@ -435,10 +435,7 @@ class KnownWind(Shown):
         return f"{WIND_KNOWN}: {peak}; {control} survives {wind} with less"
 
     def table(self, caption: str) -> Table:
-        """Return the table of the peak, its certificate, and the numbers it is compared with.
-
-        `caption`: its caption.
-        """
+        """Return the table of the peak, its certificate, and the numbers it is compared with."""
         best, proof = self.best, self.best.certificate
         peak = degrees("optimum.peak", best.peak, unit="deg")
         if self.fraction_of_trim is not None:

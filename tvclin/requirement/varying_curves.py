@@ -289,10 +289,7 @@ class Curves:
         return np.asarray(above[:, 0] + np.sum(begins, axis=-1) > 1)
 
     def reaches_both_signs(self, limit: FloatArray) -> BoolArray:
-        """Return whether trim reaches 95 percent of a limit ``(n,)`` [rad] with both signs.
-
-        False for a limit of zero.
-        """
+        """Return whether trim of both signs reaches 95 % of limits [rad] above zero, ``(n,)``."""
         high, low = self._trim_extremes
         return np.asarray(np.minimum(high, -low) > _BOTH_SIGNS_FRACTION * limit) & (limit > 0.0)
 

@@ -41,10 +41,7 @@ class Assumption:
 
 
 def assumptions(findings: Findings) -> tuple[Assumption, ...]:
-    """Return the assumptions of the verdict in findings, each with whether it holds here.
-
-    `findings`: results of a study plan.
-    """
+    """Return the assumptions of the verdict in findings of a study, each with whether it holds."""
     makers = (_wind, _sign, _linear, _slow, _frozen, _rigid, _modes, _nozzle)
     return tuple(assumption for make in makers for assumption in make(findings))
 
@@ -221,10 +218,7 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
 
 
 def _rigid(findings: Findings) -> Iterator[Assumption]:
-    """Yield the assumption of a rigid vehicle, where the vehicle has no structure.
-
-    `findings`: results of a study plan.
-    """
+    """Yield the assumption of a rigid vehicle, in findings of a study without a structure."""
     if findings.plan.vehicle.structure is None:
         words = "Nothing bends or sloshes: the vehicle file has no bending and no slosh."
         yield Assumption(_ASSUMED, (words,))

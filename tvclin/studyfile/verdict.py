@@ -185,10 +185,7 @@ def basis(findings: Findings) -> Line:
 
 
 def _reaches_the_limit(findings: Findings) -> Line:
-    """Return the warning of an autopilot that reaches the limit and survives; else empty.
-
-    `findings`: results of a study plan.
-    """
+    """Return the warning, in findings of a study, of an autopilot that survives at the limit."""
     survives = any(
         question.name == "autopilot" and question.yes for question in questions(findings)
     )

@@ -63,10 +63,7 @@ class History(Record, ABC):
         return self.pieces.batch
 
     def __call__(self, t: ArrayLike) -> FloatArray:
-        """Return the value at the times `t` [s], shape ``batch + t.shape``.
-
-        At a jump the value is that after the jump.
-        """
+        """Return the value at times `t` [s], at a jump that after it, ``batch + t.shape``."""
         times = finite("t", t, "s")
         values = np.real(algebra.value(self.pieces, times.ravel()))
         return values.reshape((*self.batch, *times.shape))

@@ -77,10 +77,7 @@ def is_wind_from_gust(document: Mapping[str, Any]) -> bool:
 
 
 def peak_speed_of(document: Mapping[str, Any]) -> float | None:
-    """Return the peak speed [m/s] of the first shaped wind; None where its peak is an angle.
-
-    `document`: study file as nested tables.
-    """
+    """Return the peak speed [m/s] of a study file's first shaped wind; None for a peak angle."""
     if is_wind_from_gust(document):
         return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed")
     if "wind" not in document:

@@ -256,10 +256,7 @@ def autopilot_along(
 def gains_along(
     autopilot: Autopilot | GainSchedule, flight: FlightSchedule, time: FloatArray
 ) -> dict[str, FloatArray]:
-    """Return all gains of an autopilot, constant or scheduled, by name, ``(n,)``.
-
-    `time`: times of the flight [s], ``(n,)``.
-    """
+    """Return all gains of an autopilot at times [s] of a flight, by name, ``(n,)`` each."""
     if not isinstance(autopilot, GainSchedule):
         return {name: np.full(time.shape, getattr(autopilot, name)) for name in GAINS}
     values = flight_variable(flight, autopilot.variable, time)

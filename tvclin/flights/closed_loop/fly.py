@@ -380,10 +380,7 @@ def fly_nozzle(
 
 
 def times_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:
-    """Return the even number of times in a sample period `length` [s] that resolve a flight.
-
-    They resolve the fastest pole of `plant` and `actuator`.
-    """
+    """Return the even number of times in a sample `length` [s] that resolve the fastest pole."""
     poles = np.zeros(1) if actuator is None else np.roots(actuator.denominator)
     fastest = max(float(np.abs(poles).max()), float(fastest_poles(plant)))
     return max(2 * int(np.ceil(_TIMES_PER_RADIAN * fastest * length / 2.0)), _MIN_TIMES)

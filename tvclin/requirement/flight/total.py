@@ -534,10 +534,7 @@ def _at_rate(
 
 
 def _fastest(sizing: Sizing, time: float) -> float:
-    """Return the largest size of an unstable pole [1/s] of a sizing's planes at a flight time [s].
-
-    Zero without an unstable pole.
-    """
+    """Return the size of a sizing's fastest unstable pole [1/s] at a flight time [s], or zero."""
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
     return max(float(np.abs(unstable_modes(plant).poles).max(initial=0.0)) for plant in plants)

@@ -241,10 +241,7 @@ def _mathml(formula: Formula) -> "Markup":
 
 
 def _printable(value: object) -> object:
-    """Return a value; of a text, each character that HTML cannot hold is replaced.
-
-    Such a character is a control code.
-    """
+    """Return a value; in a text each control code, which HTML cannot hold, is replaced."""
     if not isinstance(value, str) or all(line.isprintable() for line in value.split("\n")):
         return value
     printable = "".join(
