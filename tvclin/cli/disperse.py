@@ -180,9 +180,10 @@ def _campaign(
 ) -> Campaign:
     """Return the campaign of a file or a vehicle, with the keys of options set.
 
-    `time`: flight time [s] of a schedule. `winds`: options of the wind. `changes`: groups of
-    options whose fields are keys of a campaign. Messages name the option, not the key that it sets.
-    In a sounding the default dispersions leave the wind out.
+    `source`: the file, or name of a vehicle. `time`: flight time [s] of a schedule. `winds`:
+    options of the wind. `changes`: groups of options whose fields are keys of a campaign. Messages
+    name the option, not the key that it sets. In a sounding the default dispersions leave the wind
+    out.
     """
     values = {name: value for change in changes for name, value in change.values.items()}
     keys = _keys(source_tables(source), {"time": time, **vars(winds), **values})

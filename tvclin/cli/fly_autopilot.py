@@ -160,7 +160,7 @@ def _compared(
     """Return flight and boundaries, if any, of a flexible vehicle compared with the rigid one's.
 
     `limit`: deflection limit [rad] of the flight. `boundaries`: of the flown vehicle and, where it
-    is flexible, of the rigid one; so are the two statuses and peak rates of the flight.
+    is flexible, of the rigid one, in this order, as the two statuses and peak rates of the flight.
     """
     labels, rates = ("flown", "rigid"), np.degrees(flight.peak_rates).tolist()
     flown_status, rigid_status = flight.status

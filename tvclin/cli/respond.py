@@ -275,7 +275,10 @@ def _print(trim: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool)
 
 
 def _end_notes(trim: BoundedTrim, shown: ResponseEnd) -> Iterator[str]:
-    """Yield notes on the time at which the shown response ends, and on its reason."""
+    """Yield notes on the time at which the shown response ends, and on its reason.
+
+    `trim`: the response, whose deflection is trim up to K times the limit, then the limit.
+    """
     if shown.why == RELEASED:
         yield (
             "an autopilot lets go of the limit when the attitude is back at zero, or beyond; the"

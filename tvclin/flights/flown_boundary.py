@@ -53,11 +53,11 @@ def planar_verdict(
 ) -> Verdict:
     """Return the function from a deflection limit [rad] to whether its planar flight survives.
 
-    `wind`: one wind that ends. `frozen`: whether parameters are frozen; else they vary along the
-    nominal flight of `condition`. `drift`: whether the path may turn. `actuator`, `rate_limit`:
-    hardware of a law, and its limit [rad/s]. `InputError` in the same cases as `fly_planar`, and
-    for an aerodynamically stable vehicle. The verdict is the direction in which it turns at the
-    `verdict_time` after the wind.
+    `wind`: one wind that ends. `control`: the report's, a law or an autopilot. `frozen`: whether
+    parameters are frozen; else they vary along the nominal flight of `condition`. `drift`: whether
+    the path may turn. `actuator`, `rate_limit`: hardware of a law, and its limit [rad/s].
+    `InputError` in the same cases as `fly_planar`, and for an aerodynamically stable vehicle. The
+    verdict is the direction in which it turns at the `verdict_time` after the wind.
     """
     _check_frozen(frozen, condition)
     pole = float(Coefficients.from_vehicle(vehicle, plane).pole)
@@ -92,12 +92,13 @@ def sixdof_verdict(
 ) -> Verdict:
     """Return the function from a deflection limit [rad] to whether its flight in JSBSim survives.
 
-    `wind`: one wind that ends. `frozen`: whether parameters are frozen; else they vary along the
-    nominal flight of `condition`. `drift`: whether the path may turn. `step`: step of JSBSim [s].
-    `earth`: the rotating Earth, in place of a flat planet. `actuator`, `rate_limit`: hardware of a
-    law, and its limit [rad/s]. Same exceptions as `fly_sixdof`. A flight does not survive if at the
-    `verdict_time` after the wind the vehicle turns fast, see `verdict_of`. It begins at the onset
-    of the wind, a frozen one at zero if that is earlier.
+    `wind`: one wind that ends. `control`: the report's, a law or an autopilot. `frozen`: whether
+    parameters are frozen; else they vary along the nominal flight of `condition`. `drift`: whether
+    the path may turn. `step`: step of JSBSim [s]. `earth`: the rotating Earth, in place of a flat
+    planet. `actuator`, `rate_limit`: hardware of a law, and its limit [rad/s]. Same exceptions as
+    `fly_sixdof`. A flight does not survive if at the `verdict_time` after the wind the vehicle
+    turns fast, see `verdict_of`. It begins at the onset of the wind, a frozen one at zero if that
+    is earlier.
     """
     _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step=step, earth=earth, condition=condition)

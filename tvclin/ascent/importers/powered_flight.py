@@ -57,7 +57,7 @@ def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
         slopes = errors.one_row(
             "the slopes of normal_force_coefficient_slope", slope_source[1], "1/rad"
         )
-        at, slope = _checked(row, slopes, "given over Mach")
+        at, slope = _checked_slopes(row, slopes, "given over Mach")
     else:
         value = errors.number(
             "normal_force_coefficient_slope", slope_source, errors.nonnegative, "1/rad"
@@ -115,7 +115,7 @@ def _potential(sheet: Sheet, heading: Heading) -> tuple[FloatArray, Column]:
     origin = f"{sheet.text.source}, column {heading.text} over the smallest Alpha"
     mach, slope = mach[at_smallest], force[at_smallest] / alpha[at_smallest]
     order = np.argsort(mach, kind="stable")
-    return _checked(mach[order], slope[order], origin)
+    return _checked_slopes(mach[order], slope[order], origin)
 
 
 def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
@@ -142,7 +142,7 @@ def _analysed(sheet: Sheet) -> tuple[FloatArray, Column]:
             " sum of the others; export that of the whole rocket alone"
         )
     mach = sheet.numbers(_mach_of(sheet), "number").values
-    return _checked(mach, slopes[0], f"{sheet.text.source}, column {columns[0].text}")
+    return _checked_slopes(mach, slopes[0], f"{sheet.text.source}, column {columns[0].text}")
 
 
 def _mach_of(sheet: Sheet) -> Heading:
@@ -152,7 +152,7 @@ def _mach_of(sheet: Sheet) -> Heading:
     return heading
 
 
-def _checked(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArray, Column]:
+def _checked_slopes(mach: FloatArray, slope: FloatArray, origin: str) -> tuple[FloatArray, Column]:
     """Return Mach numbers and slopes [1/rad] at them, ``(n,)`` each; `InputError` if invalid.
 
     `origin`: where the slopes come from, in words.

@@ -337,7 +337,8 @@ def minimum_peak_at_rate(
     """Return the peak [rad] of `optimum_with_rate_limit`; infinite where no deflection survives.
 
     `constraints`, `unlimited`: conditions of the case, and its `optimum_deflection`, from `start`
-    [s] on. The tolerance of a linear program, 1e-7 of the peak, is added to it.
+    [s] on. `rate`: rate limit [rad/s]. The tolerance of a linear program, 1e-7 of the peak, is
+    added to it.
     """
     # `peak`: over the peak without a rate limit, on nodes that are refined until it is constant
     _, peak, _ = _refined(constraints, unlimited, start, rate, _STEPS)

@@ -207,7 +207,7 @@ def _added(
     """Return the increase [rad] of requirements from balloon to launch, ``(a,)``, and its notes.
 
     `growth`: model of persistence, or the increase itself [rad]. `lower`, `upper`: bounds of the
-    required deflection [rad] by azimuth and sounding, ``(a, n)``.
+    required deflection [rad] by azimuth and sounding, ``(a, n)``. `soundings`: give their times.
     """
     if isinstance(growth, sounding_winds.WindGrowth):
         note = "each required deflection includes the growth of the wind until launch"
