@@ -509,8 +509,8 @@ class _Case:
         """Return the minimum rate [rad/s] at a deflection limit [rad], or at any for None.
 
         Infinite if none is sufficient. The fastest pole alone requires a rate in closed form, which
-        other poles can only raise. `minimum` and `law_bound` are the minimum deflection and the
-        bound without a forecast [rad], both without a rate limit.
+        other poles can only raise. `deflection(r)` is the minimum deflection [rad] at the rate r;
+        `minimum` is that without a rate limit, and `law_bound` the bound without a forecast.
         """
         lowest = max(self.minimum_rate, self.pole * self.law_bound)
         if limit is None or self.minimum == 0.0:
