@@ -51,8 +51,7 @@ def card_rows(record: Any) -> Iterator[Row]:
 def card(title: str, rows: Iterable[Row]) -> str:
     """Return a table in HTML of `rows` of name, value and unit under a `title`, all texts escaped.
 
-    Numbers are shown to six digits, arrays of more than six numbers by their range and shape, an
-    angle to a thousandth of a degree.
+    Numbers have six digits, angles three decimals of a degree; longer arrays are range and shape.
     """
     lines = "".join(
         f'<tr><th scope="row" style="text-align:left">{escape(name)}</th>'

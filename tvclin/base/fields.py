@@ -267,8 +267,7 @@ def document(record: Any, *names: str) -> dict[str, Any]:
 def rows(record: Any, prefix: str, *names: str) -> list[lines.Row]:
     """Return labels and values of fields of a record for a table, except missing values.
 
-    `prefix`: start of the names of the numbers, "optimum" in "optimum.peak_deg". `names`: fields to
-    be shown; without names all.
+    `prefix`: start of the numbers' names, "optimum" in "optimum.peak_deg". `names`: fields, or all.
     """
     return [
         (item.title, item.line(record, prefix))

@@ -406,9 +406,8 @@ class LoadLimits:
     def _attained(self, load: float) -> float:
         """Return the minimum peak [rad] of a mixture of computed controls, within a load [rad].
 
-        `points` are loads and peaks of the controls. A control with more load and one with less
-        are mixed linearly, which is valid as load and peak are convex in the deflection; infinite
-        without a control with less.
+        `points`: loads and peaks of the controls. One with more load and one with less are mixed
+        linearly, as load and peak are convex in the deflection; infinite without one with less.
         """
         below = [(a, d) for a, d in self.points if a <= load]
         above = [(a, d) for a, d in self.points if a > load]

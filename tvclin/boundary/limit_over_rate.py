@@ -271,9 +271,8 @@ class RateTradeOff(TradeOff):
     def verdict(self) -> str:
         """Verdict in words: NOT SUFFICIENT below a lower bound, NOT KNOWN beyond the linear range.
 
-        Empty without limits of a nozzle, and for limits above the bound, which may still be too
-        small for a control. The text names the bound without a forecast if the limits are
-        sufficient with the wind known.
+        Empty without limits of a nozzle, and for limits above the bound, which may be too small for
+        a control. The text names the bound without a forecast if they suffice with the wind known.
         """
         if self.beyond_linear:
             return f"{sufficiency(None)}: {self.beyond_linear}"

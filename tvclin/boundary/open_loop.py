@@ -93,9 +93,8 @@ def _iterated(
 ) -> FloatArray:
     """Return the largest limits L that diverge after trim, ``(n,)``, by L <- max(K L, m(L)).
 
-    m(L) is the minimum peak after trim up to K L. `after`: the problem. `cases`: n indices of its
-    cases. `lower`: smallest results. `highest`: limits from which the iteration starts. All limits
-    are normalised by B alpha_w,max.
+    m(L) is the minimum peak after trim up to K L. `after`: the problem. `cases`: n indices in it.
+    `lower`: smallest results. `highest`: starts of the iteration. All over B alpha_w,max.
     """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)

@@ -426,8 +426,7 @@ def with_gains(base: AutopilotDesign, **values: float | str | None) -> Autopilot
     """Return a design with the gains or the rule of options.
 
     Gains remove a rule and a rule removes gains; a named rule also removes parameters of another.
-    Both replace the gains of a schedule, whose filters stay. `values`: fields of the design; their
-    names alone decide what is removed.
+    Both replace a schedule's gains, not its filters. `values`: fields; their names alone decide.
     """
     removed: tuple[str, ...] = ()
     if values.keys() & {*GIVEN_GAINS, *RULE_KEYS} and base.schedule is not None:

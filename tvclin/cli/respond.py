@@ -144,9 +144,8 @@ def bounded_trim(
 ) -> BoundedTrim:
     """Return the deflection of trim up to K times the limit [rad], then the limit, in a wind.
 
-    `name`: title of the wind, which begins at t = 0. `dead_band`: K, from 0 to 1. `capability`: the
-    limit over the required deflection at nominal dynamic pressure. `until`: length of the response
-    in durations of the wind.
+    `name`: title of the wind, which begins at t = 0. `dead_band`: K. `capability`: the limit over
+    the requirement at nominal dynamic pressure. `until`: length in durations of the wind.
     """
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")

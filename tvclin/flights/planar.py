@@ -388,9 +388,8 @@ def planar_case(
     """Return the case of a vehicle in a wind over a time span [s], start and end.
 
     The nominal flight passes through the vehicle's state at the vehicle's own time, so that it
-    covers that time too. `plane`: "pitch" or "yaw". `drift`: whether the flight path may turn and
-    the speed change. `condition`: with it, parameters vary along the nominal flight. Same
-    exceptions as `fly_planar`.
+    covers that time too. `drift`: whether the flight path may turn and the speed change.
+    `condition`: with it, parameters vary along the nominal flight. Exceptions as `fly_planar`.
     """
     instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     check_span(*span)

@@ -121,8 +121,7 @@ class Curves:
     def csv(self) -> str:
         """Return the numbers as CSV: a comment, a line of headings, and a row for each abscissa.
 
-        Every number is written in full precision; numbers within the rounding of the largest one
-        of their column are zero.
+        Numbers are in full precision; within the rounding of their column's largest they are zero.
         """
         values = (self.abscissa, *(column.values for column in self.columns))
         table = np.stack([without_rounding(numbers) for numbers in values], axis=-1)

@@ -323,9 +323,8 @@ Position = Callable[[float], tuple[float, float]]
 def margin_marks(samples: LoopSamples, position: Position) -> list[Mark]:
     """Return the marks of the three margins of a loop; an empty list for an unstable one.
 
-    They are aero, gain-increase and phase margin. A margin without a frequency has no position, and
-    stands in the legend alone. `samples`: the loop. `position`: function from a frequency [rad/s]
-    to the position in the figure.
+    They are aero, gain-increase and phase margin; without a frequency they are in the legend alone.
+    `samples`: the loop. `position`: function from a frequency [rad/s] to a place in the figure.
     """
     if not samples.margins.stable:
         return []

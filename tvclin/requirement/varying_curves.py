@@ -269,10 +269,9 @@ class Curves:
     def trim_ratios(self, dead_band: float) -> FloatArray:
         """Return trim over K [rad] of n winds, ``(n, S + 1)``, at S begins of steps and the end.
 
-        The samples of `trim` are begin, middle and end of each step.
-        `dead_band`: K, above zero. The dead band can be left only where trim is at a new maximum:
-        the ratio is infinite elsewhere, and NaN after the step of the last maximum, where minimum
-        peaks of control need not be known.
+        `dead_band`: K, above zero. The samples of `trim` are begin, middle and end of each step. An
+        exit of the dead band is possible only where trim is at a new maximum: the ratio is infinite
+        elsewhere, and NaN after the last such step, where no minimum peak is required.
         """
         trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)  # (n, 3 S)
         new, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)

@@ -381,8 +381,7 @@ class FlightLoop:
     def _omitted(self, case: _Wind) -> str:
         """Return why survival in a wind is not known throughout, in words; empty if it is.
 
-        The flight of the sizing may begin before a sounding, end after it, and cross its gaps. A
-        pulse is known throughout.
+        The flight of the sizing may go beyond a sounding, and cross its gaps; a pulse is known.
         """
         if not isinstance(case.wind, MeasuredWind | MeasuredPlanes):
             return ""
@@ -571,8 +570,7 @@ class FlightsOfLoop:
     def fraction(self) -> Success | None:
         """Fraction of the winds that are survived, with its interval; None for one wind.
 
-        A pulse counts once: it is survived if it is survived at every flight time. An outcome that
-        is not known counts as not survived.
+        A pulse is survived if it is at every flight time; what is not known counts as not survived.
         """
         diverged = {outcome.wind for outcome in self.outcomes if not outcome.survived}
         if self.wind_count < _MIN_WINDS:

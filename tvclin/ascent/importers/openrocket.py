@@ -79,8 +79,7 @@ def _columns(
 ) -> tuple[dict[str, Column], list[str]]:
     """Return the columns of a sheet by name, in SI units, and notes on those that are not read.
 
-    `ground`: elevation of the launch site [m]. `slope_column`: whether the slope of the normal
-    force coefficient is to be read too.
+    `ground`: elevation of the site [m]. `slope_column`: whether the normal force slope is read too.
     """
     _check_names(sheet)
     columns = {

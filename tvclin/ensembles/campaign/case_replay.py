@@ -299,9 +299,8 @@ def _extremes(
 ) -> dict[str, float]:
     """Return the largest values [deg] of outputs of a response, and its end [s], by name.
 
-    `response_of`: function that computes the response. `names`: names of the outputs, angles in
-    rad. The response ends where the attitude exceeds `MAX_SHOWN_ATTITUDE`. The result is empty
-    where the case has no response.
+    `response_of`: function that computes the response; the result is empty if there is none.
+    `names`: outputs, angles in rad. It ends where the attitude exceeds `MAX_SHOWN_ATTITUDE`.
     """
     try:
         response = response_of()

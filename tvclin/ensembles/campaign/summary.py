@@ -290,8 +290,7 @@ class CampaignSummary(Shown):
     def _bound(self, name: str, angle: float) -> Line:
         """Return the text of a bound of a quantile, `angle` [rad], or why it is infinite.
 
-        `name`: name of the number. A bound is infinite where it is unknown, too many flights are
-        lost, or cases are too few.
+        `name`: of the number. A bound is infinite if unknown, by lost flights, or by too few cases.
         """
         if not np.isinf(angle):
             return _angle(name, angle)

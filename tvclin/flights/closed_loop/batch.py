@@ -117,8 +117,7 @@ def ramp_steps(ramp: LinearSystem, plant: LinearSystem, parts: FloatArray) -> Fl
 
     The deflection is a + (b - a) t/h, and the columns are of a and b, ``(p, parts, n, 2)``;
     of a plant with the input deflection_acceleration also of the rates before and after, ``(p,
-    parts, n, 4)``. `ramp`: result of `with_ramp`. `parts`: lengths h [s], ``(p, parts)``; a part of
-    no length has no response.
+    parts, n, 4)``. `ramp`: result of `with_ramp`. `parts`: lengths h [s], ``(p, parts)``, or zero.
     """
     n, span = len(plant.states), np.where(parts > 0.0, parts, 1.0)[..., np.newaxis]
     moved = ramp.to_steps(parts.T).A  # columns: n states, the deflection, its rate

@@ -412,9 +412,8 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
 
     The scan runs backwards, over the fraction `back` of `_change`, because `limit_above_losses`
     finds the value above which all survive: here that is the change below which all do. The margin
-    is the smaller of it and the linear margin. `flights`: flights of the law. `name`: name of the
-    change, see `CHANGES`. `linear`: its linear margin, a factor or a delay [s]. `pole`: fastest
-    unstable pole of the plant [1/s].
+    is the smaller of it and the linear margin. `flights`: of the law. `name`: of the change in
+    `CHANGES`. `linear`: its linear margin, a factor or a delay [s]. `pole`: fastest pole [1/s].
     """
     if name == "delay":
         room = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]

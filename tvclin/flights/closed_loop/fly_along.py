@@ -336,8 +336,7 @@ def _winds_along(
     """Return the winds along a flight with their dynamic pressure, and the shape of their batch.
 
     `wind`: a history or a batch of histories, or soundings. `plane`: plane of the motion. `sign`:
-    "head", "tail" or "frozen", see `fly_along`. Winds at nominal dynamic pressure have the same
-    vehicle, and are one batch.
+    "head", "tail" or "frozen", see `fly_along`: at nominal pressure all winds are one batch.
     """
     if sign is not None:
         errors.one_of("sign", sign, (*SIGNS, FROZEN))
