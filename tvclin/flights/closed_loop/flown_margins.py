@@ -413,7 +413,7 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
     The scan runs backwards, over the fraction `back` of `_change`, because `limit_above_losses`
     finds the value above which all survive: here that is the change below which all do. The margin
     is the smaller of it and the linear margin. `flights`: of the law. `name`: of the change in
-    `CHANGES`. `linear`: its linear margin, a factor or a delay [s]. `pole`: fastest pole [1/s].
+    `CHANGES`. `linear`: linear margin, factor or delay [s]. `pole`: fastest unstable pole [1/s].
     """
     if name == "delay":
         room = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]
