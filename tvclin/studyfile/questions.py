@@ -243,7 +243,7 @@ def _rate(findings: Findings) -> Question:
     if head is not None and head.rates is not None:
         nominal = degrees("answer.calm_rate", trade_off.required_rate, unit="deg/s")
         at_peak, trade_off = (_at_peak(findings), *minimum_limit(nominal)), head.rates
-        yes = _also(yes, trade_off.above_lower_bound)
+        yes = _also_in_head_wind(yes, trade_off.above_lower_bound)
     elif head is not None and yes:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
     words = "by the larger of both lower bounds with this limit"
@@ -286,7 +286,7 @@ def _load(findings: Findings) -> Question:
             degrees("answer.calm_load", trade_off.lower_bound * ratio, unit="deg")
         )
         covered, trade_off = yes, head.loads
-        yes = _also(yes, trade_off.above_lower_bound)
+        yes = _also_in_head_wind(yes, trade_off.above_lower_bound)
         if covered and yes is None and trade_off.limit is not None:
             line = (f"the limit covers the bound of this load {NOMINAL}, and not the larger one",)
         line = (*line, _at_peak(findings), *nominal)
@@ -493,7 +493,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
         # at nominal pressure, and also at the pressure of the head wind, an upper bound: True,
         # False, or None for not known
         covered = bool(covers(nominal_available, nominal_required))
-        yes, words = _also(covered, bool(covers(available, required))), sigmas
+        yes, words = _also_in_head_wind(covered, bool(covers(available, required))), sigmas
         if findings.head is not None and yes is None:
             bound = f"not by the bound for a {findings.study.direction} wind"
             words = f"covered {NOMINAL}, {bound}; {words}"
@@ -516,7 +516,7 @@ def _at_peak(findings: Findings) -> str:
     return f", with the dynamic pressure at the peak of a {wind} throughout, at the nominal one "
 
 
-def _also(nominal: bool | None, head: bool | None) -> bool | None:
+def _also_in_head_wind(nominal: bool | None, head: bool | None) -> bool | None:
     """Return the answer for both dynamic pressures; None where it is not known.
 
     `nominal`: answer at nominal dynamic pressure; no or not known there stands. `head`: answer at

@@ -317,7 +317,8 @@ class LoadWeights:
 
         It is M times the density of the load's weight then, and for each mode the weights of the
         load that it changes, decayed to that time: the load before it by unstable modes, the load
-        after it by stable ones. `x`: fractions of the n cells, ``(n, q)``.
+        after it by stable ones. `x`: fractions of the n cells, ``(n, q)``. Of a mode, `shares` is
+        the load of its state, and `sizes` |s| [1/s] the gain from deflection to that state.
         """
         c = self.case
         # density of the load's weight at start and end of each cell, linear between them

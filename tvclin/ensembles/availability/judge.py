@@ -242,7 +242,7 @@ class Judge:
 
         `index`: indices of the usable soundings of the archive. Each item holds the indices of a
         batch ``(n,)``, the heights [m] between which its winds can be judged, ``(n, 2)``, NaN where
-        nowhere, and the winds.
+        nowhere, with what is added to them (growth and gust), and the winds.
         """
         index = index[np.argsort(soundings.counts[index], kind="stable")]  # by number of levels
         together = SoundingWinds.of(soundings[index], self.path)

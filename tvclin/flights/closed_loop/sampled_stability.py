@@ -272,8 +272,9 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
     def samples(fraction: float) -> float:
         """Return the smallest delay in samples n, a real number, beyond a `fraction` of a sample.
 
-        The least n is the present delay without the fraction; each further sample turns the phase
-        of l by theta.
+        The least n is the `present` delay, in samples, without the fraction. l is the response of
+        the loop at z = e^(j theta), at the angles theta of ``|l| = 1``, between `angles`; each
+        further sample turns its phase by theta.
         """
         # of the loop with a factor on the gain, and without a delay of whole samples
         loop = _response(batch.delayed(fraction * h), "gain", samples=0.0)

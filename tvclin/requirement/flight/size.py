@@ -378,7 +378,7 @@ def _plane_sizing(
     frozen = _frozen(inputs, placed)
     needs = [[count_need(next(frozen)) for _ in row] for row in placed]
     required = _columns(needs, bands)
-    slow = _table(needs, lambda need: need.slow_mode)
+    slow = _numbers(needs, lambda need: need.slow_mode)
     messages, arises = _messages(inputs.times, needs), {}  # arises: flight time of a requirement
     if varying is not False:
         try:
@@ -611,23 +611,23 @@ def _columns(needs: Any, bands: FloatArray) -> dict[Requirement, FloatArray]:
     """Return requirements [rad] by name, each ``(n, m)``.
 
     `needs`: requirement of each of m winds at each of n flight times. `bands`: dead bands K,
-    ``(k,)``. A bound without a forecast has only a vehicle that is frozen.
+    ``(k,)``. Only for a frozen vehicle there is a bound without a forecast.
     """
-    columns = {TRIM: _table(needs, lambda need: need.trim)}
+    columns = {TRIM: _numbers(needs, lambda need: need.trim)}
     for k, K in enumerate(bands):
-        columns[Requirement(dead_band=K)] = _table(needs, lambda need, k=k: need.required[k])
+        columns[Requirement(dead_band=K)] = _numbers(needs, lambda need, k=k: need.required[k])
     if isinstance(needs[0][0], FrozenRequirement):
-        columns[NO_FORECAST] = _table(needs, lambda need: need.no_forecast)
-    return columns | {MINIMUM: _table(needs, lambda need: need.minimum)}
+        columns[NO_FORECAST] = _numbers(needs, lambda need: need.no_forecast)
+    return columns | {MINIMUM: _numbers(needs, lambda need: need.minimum)}
 
 
-def _table(needs: Any, value: Any) -> FloatArray:
+def _numbers(requirements: Any, number: Any) -> FloatArray:
     """Return a number of each requirement, ``(n, m)``.
 
-    `needs`: requirements by n flight times and m winds. `value`: function of a requirement to the
-    number.
+    `requirements`: by n flight times and m winds. `number`: function that returns this number of a
+    requirement, such as its trim [rad].
     """
-    return np.array([[value(need) for need in row] for row in needs], dtype=float)
+    return np.array([[number(x) for x in row] for row in requirements], dtype=float)
 
 
 def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: PlacedWind) -> float:
