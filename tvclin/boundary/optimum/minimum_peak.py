@@ -259,12 +259,13 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
         rows = np.hstack(columns) / window.sizes[:, np.newaxis]
         missing = window.constraints.demands - columns[1][:, 0]
         step = np.linalg.lstsq(rows, missing / window.sizes, rcond=None)[0]
-        trial, moved = switches + step[:-1], limit * (1.0 + step[-1])
+        trial, trial_limit = switches + step[:-1], limit * (1.0 + step[-1])
         if np.any(np.diff(trial, prepend=0.0, append=window.end) < 0.0):
             break
-        if window.violation(trial, moved) >= violation:
+        trial_violation = window.violation(trial, trial_limit)
+        if trial_violation >= violation:
             break
-        switches, limit, violation = trial, moved, window.violation(trial, moved)
+        switches, limit, violation = trial, trial_limit, trial_violation
     return switches, float(limit)
 
 
@@ -425,7 +426,7 @@ def _proved(
 
 
 def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
-    """Return upper bounds [rad] of `_pair_peaks`, ``(n,)``: demands over lower bounds of the norms.
+    """Return upper bounds [rad] of `_pair_peaks`, ``(n,)``: demands over a bound of their norms.
 
     `poles`: s = sigma + j omega [1/s], ``(n,)``. `demands`: integrals of e^(-s t) delta dt that
     cancel the modes [rad s], complex ``(n,)``.

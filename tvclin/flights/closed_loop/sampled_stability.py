@@ -188,9 +188,8 @@ def _slopes_of_numbers(numbers: LawNumbers, small: float, limit: float, width: i
     """Return the derivatives of a demand by measurements and law states, ``(8 + s,)``.
 
     By forward differences: the last of the points in `rows` is the origin, each other one has a
-    single number `small`. `numbers`:
-    numbers of the law. `small`: finite difference. `limit`: deflection limit [rad]. `width`: 8
-    measurements and s states.
+    single number `small`. `numbers`: numbers of the law. `limit`: deflection limit [rad]. `width`:
+    8 measurements and s states.
     """
     rows = (small * np.eye(width + 1, width)).tolist()
     values = [law_demand(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
@@ -201,9 +200,8 @@ def _slopes_of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -
     """Return the derivatives of m demands by measurements and law states, ``(m, 8 + s)``.
 
     By forward differences: the last of the points in `rows` is the origin, each other one has a
-    single number `small`. `law`: law in
-    Python. `small`: finite differences, ``(m,)``. `limit`: deflection limits [rad], ``(m,)``.
-    `width`: 8 measurements and s states.
+    single number `small`, ``(m,)``. `law`: law in Python. `limit`: deflection limits [rad],
+    ``(m,)``. `width`: 8 measurements and s states.
     """
     order = len(law.states[0])
     rows = small * np.eye(width + 1, width)[..., np.newaxis]

@@ -354,7 +354,7 @@ class FlightMode:
         h = (end - begin)[..., np.newaxis, np.newaxis]
         times = np.stack([begin, 0.5 * (begin + end), end])
         # p' = -p A and R' = -p b are (p, R)' = -(p, R) [[A, b], [0, 0]]
-        A_b = self._equations(times)[..., :-1]
+        A_b = self._equations(times)[..., :-1]  # without the column of the wind
         first, middle, last = np.concatenate([A_b, np.zeros_like(A_b[..., :1, :])], axis=-2)
         slopes = [last]  # derivatives of M with time to the end of the step
         for matrix, fraction in ((middle, 0.5), (middle, 0.5), (first, 1.0)):

@@ -495,6 +495,7 @@ class SizingRequest:
         signed = tuple(pulse.heading is None for pulse in self.pulses(case))  # head or tail
         winds, times = self.winds(case), self.times(case)
         try:
+            # gains over the flight, where it has them
             flown = replace(case, design=self.scheduled_design or case.design)
             along_flight = flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
             return replace(along_flight, sounding_wavelength=self._sounding_wavelength)
