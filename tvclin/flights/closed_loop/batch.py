@@ -50,8 +50,8 @@ SUBSTEPS = 8.0
 def quickness(actuator: Actuator | None) -> FloatArray:
     """Return the bandwidth [1/s] of a first-order actuator; inf without any, 0 for second order.
 
-    In a substep such an actuator starts to move by bandwidth times substep of the way to its
-    command, which is compared with its rate limit; for second order the rate is a state.
+    The rate of such an actuator is its bandwidth times the distance to its command, which the
+    kernel compares with the rate limit; of second order the rate is a state.
     """
     if actuator is None:
         return np.asarray(np.inf)
