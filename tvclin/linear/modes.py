@@ -297,8 +297,8 @@ def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
     coefficient of e^(p t) in the attitude long after the wind.
     """
     modes = unstable_modes(plant)
-    values, _, start = _at_poles(modes, deflection, wind)
-    with np.errstate(over="ignore"):  # from the start of the inputs [s] to t = 0
+    values, _, start = _at_poles(modes, deflection, wind)  # of time since the start of the inputs
+    with np.errstate(over="ignore"):  # from that start [s] to t = 0
         return values * np.exp(-modes.poles * start[..., np.newaxis])
 
 

@@ -327,7 +327,7 @@ class LoadProgram:
         `prices`: of the unstable modes. `rate_prices`: of the rate limit by cell, or None.
         """
         case, n = self.case, self.widths.size
-        if case.ratio == 0.0:  # M
+        if case.ratio == 0.0:  # M: the load is the angle of attack alone
             _, high, low = self._loads
             node_weights, density_ends = np.append(0.0, weights), np.zeros((2, n))
             # at each node the load without the variables on the side that the weight's sign bounds
