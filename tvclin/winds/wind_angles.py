@@ -446,6 +446,7 @@ class EncounteredWind:
 
         pitch, yaw = map(selected, self.of_angle)
         winds = replace(self, path=selected(self.path), of_angle=(pitch, yaw))
+        # and its histories of angle and speed
         return winds._with(lambda x: x.cases(cases, (count,)) if x.batch else x)
 
 

@@ -77,9 +77,9 @@ def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
 def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
     """Return the flights at `indices` after a further interval, in still air.
 
-    Samples and time are counted on from the end of a flight, with its states and its pending
-    commands, which are kept in a ring. `f`: arrays of all flights at their ends. `laws`: laws of
-    the flights.
+    Time goes on from the end of a flight, with its states and its pending commands, which are kept
+    in a ring; samples count from zero again. `f`: arrays of all flights at their ends. `laws`: laws
+    of the flights.
     """
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
@@ -88,7 +88,9 @@ def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
         track=f.track[:0],
     )
     ring = g.now.commands.shape[1]
-    shifted = (g.now.ended[:, np.newaxis] + np.arange(ring)) % ring  # samples count from zero again
+    shifted = (
+        g.now.ended[:, np.newaxis] + np.arange(ring)
+    ) % ring  # the last sample becomes sample 0
     g.now.commands[:] = np.take_along_axis(g.now.commands, shifted, axis=1)
     g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
     g.cases.finish[:] = np.maximum(np.ceil(_INTERVAL_OVER_SETTLING * g.cases.settling), 1)
