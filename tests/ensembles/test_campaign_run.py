@@ -24,8 +24,8 @@ from tvclin.ensembles.campaign.folder import (
     NAME,
     begin,
     check_versions,
+    chunk_fault,
     chunk_file,
-    flaw,
     new_manifest,
     read_manifest,
     write_chunk,
@@ -242,7 +242,7 @@ def test_any_flipped_bit_of_a_chunk_is_named_or_changes_nothing(plan, tmp_path, 
         bad = bytearray(good)
         bad[at // 8] ^= 1 << (at % 8)
         file.write_bytes(bad)
-        said, name = flaw(tmp_path, whole.manifest, 0), names[at % len(names)]
+        said, name = chunk_fault(tmp_path, whole.manifest, 0), names[at % len(names)]
         if said is None:
             read = whole.column(name)
             assert read.dtype == before[name].dtype

@@ -49,9 +49,9 @@ class EditedSource(str):
         cls, source: str, tables: dict[str, Any] | None = None, keys: tuple[str, ...] = ()
     ) -> Self:
         """Return the text `source` with its edited `tables`, and the `keys` that were set."""
-        made = super().__new__(cls, source)
-        made._tables, made.keys = tables, keys
-        return made
+        edited = super().__new__(cls, source)
+        edited._tables, edited.keys = tables, keys
+        return edited
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Self:
         """Return the source itself, which is never changed; `memo` belongs to `copy.deepcopy`."""

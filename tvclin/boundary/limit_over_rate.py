@@ -475,6 +475,7 @@ class _Case:
     def _deflection(self, rate: float) -> float:
         """Return the minimum deflection [rad] at a rate limit [rad/s], the wind known; uncached."""
         d = self.single_pole_deflection(rate)  # [rad], from the fastest pole alone
+        # nothing is required, no deflection is sufficient, or the other pole requires no more
         if self.minimum == 0.0 or np.isinf(d) or self._decided_by_one_pole(d, rate):
             return d
         if np.isfinite(self.acceleration):

@@ -149,8 +149,8 @@ def table(
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """
-    made = read_table(file, _columns(columns), **vars(rows))
-    _write(made, file, output, more)
+    schedule = read_table(file, _columns(columns), **vars(rows))
+    _write(schedule, file, output, more)
 
 
 @import_.command()

@@ -184,8 +184,8 @@ class Options:
         if not self.at:
             return replace(plan, **self.values)
         record = getattr(plan, self.at)
-        made = self._kind(**self.values) if record is None else replace(record, **self.values)
-        return replace(plan, **{self.at: made})
+        changed = self._kind(**self.values) if record is None else replace(record, **self.values)
+        return replace(plan, **{self.at: changed})
 
     def only_with(self, needed: str, *names: str) -> None:
         """Raise `InputError` if options are given without what they require, `needed` in words.

@@ -129,11 +129,11 @@ def joined(arguments: Sequence[str]) -> list[str]:
 
 def pairs(settings: Iterable[str]) -> list[tuple[str, str]]:
     """Return the keys and values, as texts, of settings of --set such as wind.peak_deg=6."""
-    made = [setting.partition("=") for setting in settings]
-    for key, equals, _ in made:
+    parts = [setting.partition("=") for setting in settings]
+    for key, equals, _ in parts:
         if not equals:
             raise InputError(f"--set takes a key and a value, wind.peak_deg 6; got {shown(key)}")
-    return [(key, value) for key, _, value in made]
+    return [(key, value) for key, _, value in parts]
 
 
 def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:

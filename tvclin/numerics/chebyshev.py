@@ -239,10 +239,10 @@ def _refined(
     """
     refined = []
     if intervals:
-        fresh = [_nodes(times[run], degree)[1::2] for run, _ in intervals]
+        fresh = [_nodes(times[run], degree)[1::2] for run, _ in intervals]  # every second point
         index = np.repeat([run.start for run, _ in intervals], degree // 2)
-        made = np.split(_packed(function(np.concatenate(fresh), index)), len(intervals))
-        for (_, old), new in zip(intervals, made, strict=True):
+        values = np.split(_packed(function(np.concatenate(fresh), index)), len(intervals))
+        for (_, old), new in zip(intervals, values, strict=True):
             points = np.empty((degree + 1, new.shape[1]))
             points[::2], points[1::2] = old, new
             refined.append(points)

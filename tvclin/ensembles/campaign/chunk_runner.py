@@ -37,11 +37,11 @@ from tvclin.ensembles.campaign.folder import (
     arrow,
     begin,
     check_versions,
+    chunk_fault,
     chunk_file,
-    flaw,
     read_manifest,
+    remove_stale_files,
     run_chunk,
-    sweep,
 )
 from tvclin.ensembles.campaign.results import CampaignResults
 from tvclin.kernels.choice import VARIABLE, available, pinned, repeated
@@ -310,7 +310,7 @@ def damaged(folder: Path, manifest: Manifest) -> dict[int, str]:
     `folder`, `manifest`: folder of a campaign, and the manifest in it.
     """
     chunks = (k for k in range(manifest.campaign.chunks) if chunk_file(folder, k).exists())
-    return {k: fault for k in chunks if (fault := flaw(folder, manifest, k)) is not None}
+    return {k: fault for k in chunks if (fault := chunk_fault(folder, manifest, k)) is not None}
 
 
 def _checked(folder: object, executor: object, progress: object) -> Path:
@@ -344,7 +344,7 @@ def _work(
             "a shard does not know when the whole campaign has converged; give one of the two"
         )
     check_versions(manifest)
-    sweep(folder)  # temporary files of killed workers
+    remove_stale_files(folder)
     first, step = _shard(shard)
     chunks = range(first, campaign.chunks, step)
     sizes = {k: campaign.span(k)[1] for k in chunks}  # number of cases by chunk
@@ -359,7 +359,7 @@ def _work(
         group = chunks[start:end]
         unfinished = []
         for k in group:
-            if flaw(folder, manifest, k) is None:
+            if chunk_fault(folder, manifest, k) is None:
                 done += sizes[k]
             else:
                 unfinished.append(k)

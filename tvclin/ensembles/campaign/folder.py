@@ -295,7 +295,7 @@ def write_chunk(folder: Path, manifest: Manifest, chunk: int, columns: dict[str,
     )
 
 
-def sweep(folder: Path) -> None:
+def remove_stale_files(folder: Path) -> None:
     """Remove the temporary files of killed workers in a folder, older than `_MAX_WRITING_S`."""
     for file in (folder / FOLDER).glob(".*.parquet.*"):
         with suppress(OSError):
@@ -303,7 +303,7 @@ def sweep(folder: Path) -> None:
                 file.unlink()
 
 
-def flaw(folder: Path, manifest: Manifest, chunk: int) -> str | None:
+def chunk_fault(folder: Path, manifest: Manifest, chunk: int) -> str | None:
     """Return the fault of the file of a chunk in words; None for a sound file.
 
     `folder`, `manifest`: folder of the campaign, and the manifest in it.

@@ -100,8 +100,8 @@ class FlownFlight:
     @property
     def law(self) -> Autopilot:
         """Autopilot at the breakpoints of a schedule, or the autopilot of all times."""
-        made = self.autopilot
-        return made.autopilot if isinstance(made, GainSchedule) else made
+        autopilot = self.autopilot
+        return autopilot.autopilot if isinstance(autopilot, GainSchedule) else autopilot
 
     @cached_property
     def stages(self) -> Stages:

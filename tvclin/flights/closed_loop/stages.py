@@ -221,11 +221,12 @@ class Stages:
 
         Winds with fewer breakpoints have infinite ones at the end.
         """
-        made = [polynomial_pieces(wind.pieces) for wind in self.winds]
-        count, terms = (max(pieces.shape[axis] for _, pieces in made) for axis in (1, 2))
+        # breakpoints and polynomials of the winds of each flight
+        by_flight = [polynomial_pieces(wind.pieces) for wind in self.winds]
+        count, terms = (max(pieces.shape[axis] for _, pieces in by_flight) for axis in (1, 2))
         all_knots = np.full((self.flight_of_wind.size, count), np.inf)
         all_pieces, row = np.zeros((*all_knots.shape, terms)), 0
-        for knots, pieces in made:
+        for knots, pieces in by_flight:
             rows = slice(row, row + len(knots))
             all_knots[rows, : knots.shape[1]] = knots
             all_pieces[rows, : pieces.shape[1], : pieces.shape[2]] = pieces
@@ -435,16 +436,16 @@ class Stages:
             """Return the plants at the m times of the place in the samples with index `first`."""
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
-        def at_nodes(made: LinearSystem) -> LinearSystem:
+        def at_nodes(loops: LinearSystem) -> LinearSystem:
             """Return the constant systems equal to varying ones over parts of samples.
 
-            Shape ``(parts, m)``, as their `lengths` [s]. `made`: systems at all places, a batch of
+            Shape ``(parts, m)``, as their `lengths` [s]. `loops`: systems at all places, a batch of
             the `shape`; the first ones are at the first Gauss point of each part of each sample,
             then as many at the second.
             """
             nodes = lengths.size  # parts times m
             first, second = (
-                _in_parts(made.cases(np.arange(k * nodes, (k + 1) * nodes), shape), lengths.shape)
+                _in_parts(loops.cases(np.arange(k * nodes, (k + 1) * nodes), shape), lengths.shape)
                 for k in range(2)
             )
             return constant_over_steps(first, second, lengths)

@@ -157,7 +157,8 @@ def limits_above_losses(
         """Return whether the values `low` e^x ``(k, n)`` are lost; those above `high` are not."""
         return lost(low * np.exp(np.minimum(x, span))) & (x <= span)
 
-    # step, number of steps above a loss that must survive, and stride, of each refinement
+    # of each refinement the step, the number of steps above a loss that must survive, and 1: the
+    # scan has tried none of these steps
     levels = [(fine, int(AHEAD / FINE), 1), (fine / LAST_PARTS, LAST_PARTS - 1, 1)]
     highest, _ = _highest_losses(logarithm_lost, scan, levels)
     never = highest >= span

@@ -96,10 +96,10 @@ class Picture:
             x, y = data[name]
             line.set_data(x, np.clip(y, -beyond, beyond))
             self.axes[panel].draw_artist(line)
-        made = io.BytesIO()
+        picture = io.BytesIO()
         opaque = fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
-        opaque.save(made, "PNG", compress_level=1)
-        return made.getvalue()
+        opaque.save(picture, "PNG", compress_level=1)
+        return picture.getvalue()
 
     def _frame(self, frames: dict[str, tuple[Ends, Ends]]) -> None:
         """Draw the panels whose frames have changed; the others stay as they are.
