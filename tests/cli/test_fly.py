@@ -229,11 +229,17 @@ def test_without_jsbsim_the_extra_is_named(monkeypatch):
     assert 'pip install "tvclin[sixdof]"' in " ".join(result.output.split())
 
 
-def test_a_stable_vehicle_has_no_boundary_to_fly(stable_vehicle):
+@pytest.mark.parametrize("damping", [None, 3e6])
+def test_a_stable_vehicle_has_no_boundary_to_fly(stable_vehicle, damping):
+    """With damping a moment that turns the vehicle away slowly leaves it stable too."""
+    if damping is not None:
+        numbers = f"aerodynamic_arm_m = 0.05\npitch_damping_N_m_s_per_rad = {damping}"
+        text = stable_vehicle.read_text()
+        stable_vehicle.write_text(text.replace("aerodynamic_arm_m = -2", numbers))
     result = run(stable_vehicle)
 
     assert result.exit_code == 2
-    assert "unstable" in result.output
+    assert "which an unstable vehicle alone has" in " ".join(result.output.split())
 
 
 @pytest.mark.parametrize(

@@ -182,6 +182,11 @@ FROZEN_VEHICLE = "vehicle frozen"
 """Of a flight whose mass, forces and speed are constant."""
 _MAX_DURATION_OVER_MODE = 1000.0
 """Longest flight over the time of its fastest mode; the solver takes about as many steps."""
+_NO_BOUNDARY = (
+    "a flight with the nonlinear equations is shown beside the linear boundary, which an"
+    " unstable vehicle alone has; --engine linear --law autopilot flies this one"
+)
+"""Refusal of a vehicle that is stable, of which no deflection is required."""
 _MIN_PEAK_RAD = 2.5e-7
 """Peak [rad] at which the solver's tolerance, 1e-9 of it, is the rounding of the equations."""
 
@@ -325,6 +330,8 @@ def flight_case(
     _check_flight(plant, wind, length)
     control = flying.designed(plant)
     boundary = linear_boundary(plant, control, wind)
+    if boundary == 0.0:  # damping and path keep an almost neutral vehicle stable
+        raise InputError(_NO_BOUNDARY)
     limit = flying.plan.nozzle.limit or LIMIT_OVER_BOUNDARY * boundary
     if np.isinf(limit):
         raise InputError("no limit is sufficient with this dead band; give --limit-deg")
@@ -353,10 +360,7 @@ def _check_flight(plant: Plant, wind: Any, length: float) -> None:
     is judged. The fastest mode sets the steps of the solver.
     """
     if float(plant.coefficients.mu_alpha) <= 0.0:
-        raise InputError(
-            "a flight with the nonlinear equations is shown beside the linear boundary, which an"
-            " unstable vehicle alone has; --engine linear --law autopilot flies this one"
-        )
+        raise InputError(_NO_BOUNDARY)
     pole = float(plant.coefficients.pole)
     if abs(float(wind.peak)) < _MIN_PEAK_RAD:
         raise InputError(
