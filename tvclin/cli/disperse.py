@@ -214,7 +214,10 @@ def _campaign(
 
 
 def _in_a_sounding(campaign: Campaign, winds: WindOptions, source: str) -> Campaign:
-    """Return a campaign at a single flight time in the sounding of the options, with its notes."""
+    """Return a campaign at one flight time in the sounding of the options, and print its notes.
+
+    `winds`: options of the wind. `source`: file of the campaign, with the keys of soundings.
+    """
     sounding = winds.sounding_of(campaign, source)
     assert sounding is not None
     in_plane = campaign.vehicle, campaign.plane

@@ -154,7 +154,7 @@ class GainProblem:
         and b0 are the gains on attitude, its rate and angle of attack, B is the trim deflection per
         angle of attack, and beta [1/s] the unstable pole on a fixed path.
         """
-        B, beta, (stiffest, fastest) = self._scales
+        B, beta, (stiffest, fastest) = self._scales  # largest (a0 + b0)/B and a1 beta/B
         stiffness = _MIN_STIFFNESS * (stiffest / _MIN_STIFFNESS) ** points[..., 0]
         rate = _MIN_RATE * (fastest / _MIN_RATE) ** points[..., 1]
         share = points[..., 2] if self.has_alpha else np.zeros(points.shape[:-1])
@@ -176,7 +176,7 @@ class GainProblem:
         moved to its edge; `_scales` has B, the trim deflection per angle of attack, beta =
         sqrt(mu_alpha) [1/s], and the largest two of these ratios.
         """
-        B, beta, (stiffest, fastest) = self._scales
+        B, beta, (stiffest, fastest) = self._scales  # largest (a0 + b0)/B and a1 beta/B
         a0, a1, b0 = (float(getattr(autopilot, name)) for name in GIVEN_GAINS)
         stiffness, rate = (a0 + b0) / B / _MIN_STIFFNESS, a1 * beta / B / _MIN_RATE
         axes = [

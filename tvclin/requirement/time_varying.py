@@ -126,8 +126,8 @@ class Encounter(Protocol):
 def step_counts(wind: History, motion: Motion) -> FloatArray:
     """Return the number of steps between breakpoints of winds and motion, ``(n, k)``.
 
-    It is the number that `STEP` requires, rounded up to one of four numbers in each octave, so that
-    winds of similar length have the same.
+    `STEP`, a step times the fastest rate, requires it; it is rounded up to one of four numbers in
+    each octave, so that winds of similar length have the same. `motion`: equations of a vehicle.
     """
     widths = np.diff(_breakpoints(wind, motion), axis=-1)
     # complex rates s [1/s] of the terms e^(s t) between the breakpoints of the wind

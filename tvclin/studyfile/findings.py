@@ -239,7 +239,7 @@ def find(
         requests = {k: request for k, request in _requests(plan).items() if k not in omitted}
 
         def result(name: str, compute: Callable[[Any, Progress], Any]) -> Any:
-            """Return the result of a field of `Findings`, by its name; None if not requested.
+            """Return the result of a field of `Findings`, by its name; None if not in `requests`.
 
             `compute`: function from the request of this field and a progress to the result; of its
             `InputError` the message is kept in `reasons`, and the result is None.

@@ -158,7 +158,7 @@ class Sweep(Tabled):
         count = f"{self.times.size} flight times"
         if self.all_satisfied:
             return f"{head} at {count}"
-        pairs = zip(self.worst, self._judged, strict=True)
+        pairs = zip(self.worst, self._judged, strict=True)  # smallest surplus, and its criterion
         missed = [(worst, judged) for worst, judged in pairs if not worst.satisfied]
         worst, judged = min(missed, key=lambda pair: _surplus_over_limit(pair[0].surplus, pair[1]))
         limit, unit = judged.criterion.shown

@@ -569,7 +569,10 @@ def _with_evaluation_limit(
     """
 
     def counted(t: float, *state: Any) -> FloatArray:
-        """Return the derivatives of the states at a time `t` [s], and count the evaluation."""
+        """Return the derivatives `rates` of the states at a time `t` [s].
+
+        `InputError` beyond the largest number of `evaluations`, which all arcs count together.
+        """
         if next(evaluations) > _MAX_EVALUATIONS:
             raise InputError(
                 f"the flight takes more than {_MAX_EVALUATIONS} evaluations of its equations, at"

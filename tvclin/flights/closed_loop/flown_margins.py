@@ -389,7 +389,8 @@ class _Flights:
             """Return the status of flights in a wind with the `values` at which `chosen` is true.
 
             A value changes the delay, the gain of the law or the effectiveness of the deflection,
-            by the name of the change; where that ends in "fall" the quantity is divided by it.
+            by the name of the change; where that ends in "fall" the quantity is divided by it. All
+            else is as in `options`, the unchanged flight.
             """
             plant, options = self.plant, self.options
             by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]  # or a delay

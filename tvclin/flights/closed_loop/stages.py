@@ -547,6 +547,7 @@ class Stages:
         flight = self.flight_of_wind
         wind_end = np.concatenate([wind.end.ravel() for wind in self.winds])
         samples = self.samples[flight]  # number of samples in the flight of each wind
+        # samples from the start of a flight to the end of its wind, in time counted in periods
         ends = samples_in(wind_end - self.starts[flight], np.array(self.period))
         return self.first[flight] + np.stack([np.minimum(ends, samples), samples])
 

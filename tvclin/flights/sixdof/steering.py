@@ -206,7 +206,8 @@ class LateralMotion:
         lag = sensors.bandwidth * step
         self._sensors, self._step, self._decay = sensors, step, exp(-lag)
         self._ramp = 1.0 - (1.0 - self._decay) / lag
-        self._drift = self._drift_rate = self._speed = 0.0
+        self._drift = self._drift_rate = self._speed = 0.0  # [m], [m/s], [m/s]
+        # [m/s^2]: behind the lag; force per mass now and a step before
         self._acceleration = self._force = self._last_force = 0.0
 
     def measured(self, plain: Measurement) -> Measurement:

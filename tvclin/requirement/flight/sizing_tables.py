@@ -91,10 +91,11 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
         more: list[list[Line]],
         shown: Iterable[bool] = repeat(True),
     ) -> Table:
-        """Return the table of the requirements `names` [deg] in the wind `wind`, by flight time.
+        """Return the table of the requirements `names` [deg] of `sizing` in one or the worst wind.
 
-        `times`: first cells of rows. `last`, `more`: heads of the last columns, and their cells by
-        row. `shown`: whether a row is in the table.
+        `times`: first cells of rows, the flight times. `last`, `more`: heads of the last columns,
+        and their cells by row. `shown`: whether a row is in the table. The `suffix` of the
+        `caption` names the `wind`.
         """
         head = ("time [s]", *map(_short, names), *last)
         rows_of_cells = zip(times, _required(sizing, names, wind), more, strict=True)
