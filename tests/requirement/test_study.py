@@ -232,3 +232,17 @@ def test_a_head_wind_that_nonlinear_flights_survive_with_more_alone_is_noted(nam
 )
 def test_the_excess_of_nonlinear_flights_is_that_of_the_page_on_limits(name, peak, percent):
     assert 100.0 * excess_of_flights(name, peak, 15.0)[0] == pytest.approx(percent, abs=0.15)
+
+
+@pytest.mark.parametrize("wind", [tv.RectangularWind, tv.TriangularWind])
+def test_a_wind_that_stays_near_its_peak_is_noted_where_it_requires_more_along_a_flight(wind):
+    vehicle, flight = tv.load_vehicle("configuration-i"), tv.load_schedule("configuration-i")
+    shape = {tv.RectangularWind: "rectangular", tv.TriangularWind: "triangular"}[wind]
+    study = tv.Study.from_vehicle(vehicle, duration=12.0, peak=0.05, wind=shape)
+    winds = {"wind": wind(peak=0.05, duration=12.0)}
+    sizing = tv.size(flight, winds, times=[float(vehicle.time)], dead_bands=1.0)
+    required = (sizing.required[name][0, 0] for name in ("K = 1, varying", "K = 1"))
+    excess = next(required) / next(required) - 1.0
+    noted = any(note.startswith("the vehicle is frozen: ") for note in study.notes)
+    assert noted == (excess > 0.02) == (shape == "rectangular")
+    assert excess < 0.01 * 12.0

@@ -52,6 +52,10 @@ _MAX_NOMINAL_PRESSURE_ANGLE_RAD = radians(1.5)
 _MAX_STRAIGHT_PATH_RAD2_S = 300.0 * radians(1.0) ** 2
 """Squared wind angle times duration [rad^2 s], about 5 deg for 12 s, above which nonlinear flights
 may require a percent more in a head wind."""
+_MAX_FROZEN_PLATEAU_S = 5.0
+"""Time [s] near the peak of a wind above which parameters vary enough for a few percent."""
+_SAMPLES = 201
+"""Number of times at which a wind is compared with its peak."""
 _POLE_REDUCTION = 0.04
 """Relative reduction of the pole of a booster by the damping of air and jet, about."""
 _MAX_DURATION_TIME_CONSTANTS = 2.5
@@ -91,7 +95,7 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
     if need.direction == "head" and size > _MAX_STRAIGHT_PATH_RAD2_S:
         yield (
             "in a head wind of this size and duration nonlinear flights, whose path turns, require"
-            " more, by 1 to 4 percent for the report's vehicles (tvclin fly --engine"
+            " more, in triangles by 1 to 4 percent for the report's vehicles (tvclin fly --engine"
             " planar-varying)"
         )
     if need.sign in SIGNS and need.direction == CROSS:
@@ -103,6 +107,21 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
         yield f"{changes}, as requested: a head wind requires more"
     elif need.encountered_unknown:
         yield f"{changes}; the requirement in a head wind is not known: {need.encountered_unknown}"
+
+
+def frozen_parameters(wind: History) -> Iterator[str]:
+    """Yield a note where parameters that vary along a flight change what a wind requires.
+
+    That is a wind which stays near its peak for long. `wind`: wind angle of attack [rad].
+    """
+    times = np.linspace(float(wind.onset), float(wind.end), _SAMPLES)
+    near_peak = np.mean(np.abs(wind(times)) >= 0.9 * abs(float(wind.peak)))
+    plateau = float(near_peak * (wind.end - wind.onset))  # [s]
+    if plateau > _MAX_FROZEN_PLATEAU_S:
+        yield (
+            f"the vehicle is frozen: a wind that stays near its peak for {plateau:.3g} s may"
+            " require more along a flight, by about 1 percent for each second (tvclin ascent)"
+        )
 
 
 def nominal_pressure(case: Case) -> Iterator[str]:
@@ -406,6 +425,7 @@ class Study(CaseRequirement, Shown):
         theory_notes = forecast_trusted(required, K, free), undamped(plant, history, required, K)
         path_notes = (
             along_the_path(need),
+            frozen_parameters(need.history),
             direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
         )
         notes = [
