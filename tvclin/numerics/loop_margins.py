@@ -293,7 +293,7 @@ def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
     omega = grid_frequencies(loop, verdict)
     omega = np.concatenate([np.zeros((len(omega), 1)), omega], axis=-1)
     parts = loop.parts(omega)  # numerator and denominator of L, with its delay
-    phase_frequencies, sizes = _phase_crossovers(loop, omega, *parts)
+    phase_frequencies, sizes = _phase_crossovers(loop, omega, *parts)  # [rad/s], and |L| there
     peaks = np.full((len(omega), 3, 2), np.nan)  # of |S|, |T| and |S - T|/2: height, frequency
     with np.errstate(divide="ignore"):
         # L e^(-j omega T) is -1 where |L| = 1 and omega T is the phase lag to -1, plus full turns

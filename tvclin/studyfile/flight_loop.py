@@ -293,8 +293,8 @@ class FlightLoop:
     ) -> FlightsOfLoop:
         """Return the flights, with required, used and remaining deflection by flight time.
 
-        The required one is the requirement of the sizing that counts, frozen or of parameters that
-        vary during the wind, with the lower bounds of the same kind: the minimum, with the wind
+        The required one is the requirement of the sizing that the budget counts, of frozen or
+        varying parameters, with the lower bounds of the same kind: the minimum, with the wind
         known, and the bound without a forecast. `sizing`: of the flight and its winds.
         `requirements`: whether the autopilot requirement stands beside them too; in both planes it
         is not computed, and NaN. `progress`: called with flights done and in total.

@@ -56,6 +56,7 @@ def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
     their laws.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.cases.law]
+    # without noise, surviving, and with a settling time, in whose fractions intervals are counted
     active = np.flatnonzero((f.now.outcome == SURVIVED_CODE) & silent & (f.cases.settling > 0))
     quiet, g = np.zeros(active.size, dtype=int), f  # intervals without a limit; continued flights
     indices = active  # of the active flights in g

@@ -190,6 +190,7 @@ def _highest_losses(
             diverged = lost(values)
             highest = np.maximum(highest, np.where(diverged, values, -np.inf).max(axis=0))
             losses = steps[diverged.any(axis=1)]
+            # `clear` steps above the highest loss; without a loss the loop ends
             first, last = last + 1, int(losses.max(initial=last - clear)) + clear
         ends.append(float(start[0] + step * (first - 1)))
     return highest, ends

@@ -339,7 +339,7 @@ class FlightMode:
         ends = _refined(knots, np.diff(knots) * self.fastest[0] / _STEP_OVER_TIME_CONSTANT)
         matrices = self._step_matrices(ends[:-1], ends[1:])
         costates = np.empty((ends.size, matrices.shape[-1] + 1))
-        costates[-1, :-1] = unstable_end(self._equations(stop))
+        costates[-1, :-1] = unstable_end(self._equations(stop))  # of the frozen vehicle at the end
         costates[-1, -1] = abs(costates[-1, -2])
         for k in range(ends.size - 2, -1, -1):
             costates[k] = _before(costates[k + 1], matrices[k])

@@ -464,7 +464,7 @@ def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _R
         if not in_plane.known or in_plane.calm:
             continue
         at_peaks = encountered_winds(vehicle, in_plane, placed, case.sign, signed=signed)
-        for direction, at_peak, pulse in at_peaks:
+        for direction, at_peak, pulse in at_peaks:  # vehicle at the pressure of the wind's peak
             # the normal force per angle is proportional to the dynamic pressure
             at_peak_slope, slope = (
                 float(np.asarray(x.normal_force_slope)) for x in (at_peak, vehicle)
