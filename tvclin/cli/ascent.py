@@ -114,7 +114,7 @@ class PlaneOptions:
         shown="pitch",
     )
 
-    def over(self, plan: StudyPlan) -> StudyPlan:
+    def applied_to(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan of this plane, or of both with a limit shape, round by default."""
         if self.plane is None:
             return plan
@@ -386,8 +386,8 @@ def case_over_flight(
     if command == "ascent" and case.turbulence is None and not is_scheduled(case, source):
         note_omissions(case, "ascent without turbulence")
     for options in (question, *changes):
-        case = options.over(case)
-    case = winds.over(case)
+        case = options.applied_to(case)
+    case = winds.applied_to(case)
     request = case.sizing
     assert request is not None
     check_reading(case)  # [sounding] has keys only beside a sounding

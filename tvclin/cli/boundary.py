@@ -77,7 +77,9 @@ def boundary(
     """
     dead_bands = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
     if vehicle is not None and tau_beta is None:
-        case = case_of(vehicle, motion.over, wind=winds.over, questions=("boundary",), time=time)
+        case = case_of(
+            vehicle, motion.applied_to, wind=winds.applied_to, questions=("boundary",), time=time
+        )
         title = winds.title(case, vehicle)
         print_in_wind(case, winds, title, dead_bands, (start, horizon), more, shown)
         return
@@ -151,7 +153,7 @@ def _subject(
         only_with("a vehicle", at=time)
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         return "", plant, "pitch", "triangular"
-    case = case_of(vehicle, motion.over, time=time, questions=("boundary --tau-beta",))
+    case = case_of(vehicle, motion.applied_to, time=time, questions=("boundary --tau-beta",))
     return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 
 

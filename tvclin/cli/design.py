@@ -212,7 +212,7 @@ class MinimumGainOptions:
 
     panel = "Gains for the minimum deflection"
 
-    def over(self, plan: StudyPlan) -> StudyPlan:
+    def applied_to(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the rule `LEAST_NOZZLE` for gains, with --least; else the plan."""
         if not self.least:
             only_with("--least", **vars(self))
@@ -225,9 +225,9 @@ class MinimumGainOptions:
         """Return the gains for the minimum deflection; None without --least.
 
         The minimum is of the largest deflection over pulses of the duration of the wind, half and
-        twice that; margins satisfy `case.margin_criteria`, of the plan or the classic ones. `over`
-        gives the plan the rule `LEAST_NOZZLE`; `InputError` where gains or another rule took its
-        place, and for a sounding.
+        twice that; margins satisfy `case.margin_criteria`, of the plan or the classic ones.
+        `applied_to` gives the plan the rule `LEAST_NOZZLE`; `InputError` where gains or another
+        rule took its place, and for a sounding.
         """
         design, wind = case.autopilot_design, case.wind_in_plane
         if not self.least:
@@ -317,10 +317,9 @@ def design(
 
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
-    # each writes its options over the plan of the vehicle's file
-    changes = [*(options.over for options in (timing, motion, least, gains)), _with_gains]
-    questions = ("design --box",) if box else ()
-    case = case_of(vehicle, *changes, wind=winds.over, questions=("design", *questions), time=time)
+    changes = [*(options.applied_to for options in (timing, motion, least, gains)), _with_gains]
+    questions = ("design", "design --box") if box else ("design",)
+    case = case_of(vehicle, *changes, wind=winds.applied_to, questions=questions, time=time)
     with waiting("seeking gains"):
         sought = least.minimum(case)
         loop = (

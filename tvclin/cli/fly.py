@@ -179,7 +179,7 @@ def fly(
 
     Exit code 0: SURVIVED, or SUFFICIENT for the autopilot; 1: not so, or NOT KNOWN; 2: bad input.
     """
-    changes = [options.over for options in (limit, motion, law_options)]
+    changes = [options.applied_to for options in (limit, motion, law_options)]
     if choice.law != ALL and time is None and is_flight(vehicle):
         from tvclin.cli.whole_flight import fly_flight
 
@@ -196,7 +196,7 @@ def fly(
     case = case_of(vehicle, *changes, time=time)
     note_single_time(vehicle, time)
     with faults.kept():
-        case = single.over(case, vehicle)
+        case = single.applied_to(case, vehicle)
     engine, varying, *law_and_dead_band = choice.resolved(vehicle, case, law_options, motion)
     name, cases = single.name(case), {"": case}
     with faults.kept():
@@ -256,10 +256,10 @@ def fly_laws(
         only_with("no --plot: that is drawn of pulses alone", winds=winds.winds)
     case = case_of(
         vehicle,
-        motion.over,
+        motion.applied_to,
         _without_actuator,
         partial(_with_gains, law_options),
-        wind=winds.over,
+        wind=winds.applied_to,
         questions=("fly --law all",),
         time=time,
     )
@@ -387,7 +387,7 @@ def _with_gains(law_options: FlownLaw, plan: StudyPlan) -> StudyPlan:
     """
     if plan.laws is not None and AUTOPILOT not in plan.laws.names:
         law_options.gains.only_with("the law autopilot in the table [laws]")
-    return law_options.over(plan)
+    return law_options.applied_to(plan)
 
 
 def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:

@@ -57,9 +57,9 @@ def case_of(
     """Return the case of a study file, a vehicle, or a flight at a time [s].
 
     `source`: name of a vehicle or of a file. `changes`: functions that put options over the plan of
-    the file, as `GainOptions.over`. `wind`: likewise for the wind, `PulseOptions.over`. Notes on
-    stderr name the effects that the `questions` neglect, and doubtful numbers of the vehicle; a
-    question of the rigid vehicle alone gets that.
+    the file, as `GainOptions.applied_to`. `wind`: likewise for the wind, as
+    `PulseOptions.applied_to`. Notes on stderr name the effects that the `questions` neglect, and
+    doubtful numbers of the vehicle; a question of the rigid vehicle alone gets that.
     """
     plan = load_study(source, time)
     if "study" not in questions:  # which has them among its own notes

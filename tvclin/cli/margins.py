@@ -298,7 +298,7 @@ def margins(
     """
     one_of("--chart", chart, _CHARTS)
     flown = bool(limit.values)
-    changes = [options.over for options in (limit, timing, motion, gains)]
+    changes = [options.applied_to for options in (limit, timing, motion, gains)]
     if time is None and is_flight(vehicle):
         from tvclin.cli.whole_flight import flight_loop, print_sweep
 
@@ -306,7 +306,7 @@ def margins(
         print_sweep(vehicle, flight_loop(vehicle, *changes), more, shown)
         return
     only_with("a whole flight: a flight schedule without --at", csv=shown.csv)
-    case = case_of(vehicle, *changes, wind=winds.over, time=time)
+    case = case_of(vehicle, *changes, wind=winds.applied_to, time=time)
     note_single_time(vehicle, time)
     only_with(_MODES, detuned=detuned and case.vehicle.structure is None)
     questions = ["margins without --limit-deg"] * (not flown)

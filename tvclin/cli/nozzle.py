@@ -187,8 +187,8 @@ def _case_in_a_wind(
         *(options.limits, options.load, options.model, options.planes, options.dead_band),
         options.gains,
     )
-    changes = [group.over for group in groups]  # functions that put options into a plan
-    case = case_of(vehicle, *changes, wind=winds.over, questions=(question,), time=time)
+    changes = [group.applied_to for group in groups]  # functions that put options into a plan
+    case = case_of(vehicle, *changes, wind=winds.applied_to, questions=(question,), time=time)
     if not options.names and not options.laws:
         note_omissions(case, f"{question} without --law")
     return case

@@ -173,7 +173,7 @@ class Options:
         }
         return replace(self, values=values)
 
-    def over(self, plan: Any) -> Any:
+    def applied_to(self, plan: Any) -> Any:
         """Return a plan with the values of these options in place of its own.
 
         They are fields of the plan, or of the part of it that `at` names, which is made where the
@@ -365,7 +365,7 @@ def _in_panel(option: Parameter, panel: str | None) -> Parameter:
 class GainOptions(Options):
     """Options of the gains, or of a rule for them."""
 
-    def over(self, plan: StudyPlan) -> StudyPlan:
+    def applied_to(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with these gains, or with this rule for them."""
         values = self.values
         return replace(plan, design=with_gains(plan.autopilot_design, **values)) if values else plan
@@ -384,9 +384,9 @@ class FlownLaw:
     timing: Options = TIMING
     gains: Options = GAINS
 
-    def over(self, plan: StudyPlan) -> StudyPlan:
+    def applied_to(self, plan: StudyPlan) -> StudyPlan:
         """Return a plan with the values of all these options."""
-        return self.gains.over(self.timing.over(plan))
+        return self.gains.applied_to(self.timing.applied_to(plan))
 
     def only_with(self, needed: str) -> None:
         """Raise `InputError` if any of these options is given without what it requires."""

@@ -37,7 +37,7 @@ def poles(
     from tvclin import plots
 
     one_of("model", model, [*MODELS, "all"])
-    case = case_of(vehicle, within.over, questions=("poles",), time=time)
+    case = case_of(vehicle, within.applied_to, questions=("poles",), time=time)
     loaded, plane = case.vehicle, case.plane
     names = models_of(loaded) if model == "all" else [model]
     plants = {name: Plant.from_vehicle(loaded, name, plane) for name in names}

@@ -220,8 +220,8 @@ def respond(
 
     within("--until", until, 1e-3, _MAX_UNTIL)
     within("--points", points, 2, 1_000_000)
-    changes = (limit.over, motion.over, dead_band.over)
-    plan = case_of(vehicle, *changes, wind=winds.over, questions=("respond",), time=time)
+    changes = (limit.applied_to, motion.applied_to, dead_band.applied_to)
+    plan = case_of(vehicle, *changes, wind=winds.applied_to, questions=("respond",), time=time)
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
     trim = bounded_trim(plan, winds.name(plan), plan.dead_band, capability, until)

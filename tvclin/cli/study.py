@@ -52,12 +52,12 @@ class StudyWind(PulseOptions):
         metavar="DEG S",
     )
 
-    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
+    def applied_to(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse and the gust, at the time of the largest requirement.
 
         A gust of the file, with its time and its speed, is replaced. `source` is not used.
         """
-        plan = super().over(plan, source)
+        plan = super().applied_to(plan, source)
         if self.gust is None:
             return plan
         peak, duration = self.gust
@@ -103,8 +103,8 @@ def study(
         """Return a plan with the limit shape of --limit-shape, if it is given."""
         return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
 
-    changes = limits.over, shaped, question.over, gains.over  # plan with options over its file's
-    plan = case_of(source, *changes, wind=winds.over, questions=("study",), time=time)
+    changes = limits.applied_to, shaped, question.applied_to, gains.applied_to
+    plan = case_of(source, *changes, wind=winds.applied_to, questions=("study",), time=time)
     if plot is not None:
         from tvclin.kernels.choice import announce
         from tvclin.plots.boundaries import CURVES_SECONDS

@@ -90,11 +90,11 @@ def fly_flight(
     """Fly the autopilot of a flight through each wind, and print the verdict on the limit.
 
     `source`: file of the flight. `winds`: options of its winds and times. `changes`: functions that
-    put options into its plan, as `winds.over` does. `more`: whether all winds and notes are
+    put options into its plan, as `winds.applied_to` does. `more`: whether all winds and notes are
     printed. `shown`: histories that are drawn or written.
     """
     reading = SoundingReading.of(source_tables(source), Path(source).parent)
-    loop = flight_loop(source, *changes, winds.over, soundings=winds.soundings(reading))
+    loop = flight_loop(source, *changes, winds.applied_to, soundings=winds.soundings(reading))
     check_reading(loop.plan)
     note_omissions(loop.plan, "fly along a flight")
     with bar("flights") as progress:

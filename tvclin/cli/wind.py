@@ -60,7 +60,7 @@ class PulseOptions(_Pulse):
         if self.peak_deg is not None and self.peak_speed is not None:
             raise InputError("give --peak-deg or --peak-speed, not both")
 
-    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
+    def applied_to(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options in place of its own values.
 
         A sounding of the file is the wind unless an option of a pulse is given. `source` is not
@@ -101,7 +101,7 @@ class WindOptions(PulseOptions):
         metavar="FILE",
     )
 
-    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
+    def applied_to(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the sounding or the pulse of these options.
 
         A sounding is a wind from t = 0 on, the flight time of the vehicle. `source`: file of the
@@ -109,7 +109,7 @@ class WindOptions(PulseOptions):
         """
         sounding = self.sounding_of(plan, source)
         if sounding is None:
-            plan = super().over(plan, source)
+            plan = super().applied_to(plan, source)
             check_reading(plan)
         else:
             plan = replace(plan, wind=sounding)
@@ -224,17 +224,17 @@ class FlightOptions(PulseOptions):
             )
         return WindOptions(**(vars(self) | {"winds": files[0] if files else None}))
 
-    def over(self, plan: StudyPlan, source: str = "") -> StudyPlan:
+    def applied_to(self, plan: StudyPlan, source: str = "") -> StudyPlan:
         """Return a plan with the pulse of these options, at each flight time.
 
         A peak speed stays a speed, of which each flight time makes its own angle. With soundings
         the pulse counts as well if an option of it is given. `source`: file of the case, which only
-        `WindOptions.over` reads.
+        `WindOptions.applied_to` reads.
         """
         # with soundings the azimuth is a part of these, see `soundings`
         azimuth = None if self.winds else self.azimuth_deg
         angular = replace(self, peak_speed=None, azimuth_deg=azimuth)
-        plan = PulseOptions.over(angular, plan)
+        plan = PulseOptions.applied_to(angular, plan)
         request, speed = plan.sizing, self.peak_speed
         assert request is not None
         named = (self.wind, self.duration, self.peak_deg, speed)
