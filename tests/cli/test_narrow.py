@@ -151,7 +151,7 @@ def test_numbers_beyond_all_nozzles_are_no_wider_than_others(tmp_path: Path) -> 
     file = tmp_path / "kn.toml"
     file.write_text(text.replace(thrust[0], f"thrust_N = {float(thrust[1]) / 1e3!r}"))
     said = CliRunner(env={"COLUMNS": "80"}).invoke(app, ["study", str(file)]).output
-    assert said.startswith("This wind requires more than 90 deg of deflection, which no nozzle has")
+    assert said.startswith("In this wind the ideal trim law requires more than 90 deg of")
     assert "a power of ten may be missing" in " ".join(said.split())
     assert max(len(line.rstrip()) for line in said.splitlines()) <= 80
 

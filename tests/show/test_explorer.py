@@ -112,7 +112,7 @@ def test_an_answer_in_steps_is_the_whole_one(few: None) -> None:
     assert (len(whole.remaining), len(some.remaining), len(none.remaining)) == (0, 2, 7)
     assert some.required == whole.required
     np.testing.assert_array_equal(some.boundary, whole.boundary[:1])
-    assert none.verdict == "What this wind requires is computed ..."
+    assert none.verdict == "What the ideal trim law requires is computed ..."
     assert pixels(new_picture().png(none)).std() > 0.0
 
 
@@ -296,7 +296,7 @@ def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
     explored = opened(own)
 
     assert explored.choices.plan.vehicle == own
-    assert "this wind requires" in explored.verdict.value
+    assert "the ideal trim law requires" in explored.verdict.value
     assert explored.controls["vehicle"].options == ("mine", *tv.list_vehicles())
     assert explored.controls["limit"].max > 5.0 * panel.controls["limit"].max
     with pytest.raises(tv.InputError, match="one vehicle; got a batch of shape"):

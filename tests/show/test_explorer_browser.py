@@ -168,7 +168,9 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
     browser.get(started.printed())
     until(lambda _: any("requires 0.412 deg" in text for text in seen()["text"]))  # by itself
     first = seen()
-    assert first["text"][0].startswith("NOT SUFFICIENT: with K = 1 this wind requires 0.412 deg")
+    assert first["text"][0].startswith(
+        "NOT SUFFICIENT: with K = 1 the ideal trim law requires 0.412 deg"
+    )
     assert first["sliders"] == 14
     gains = ["gain a0 [-]", "gain a1 [s]", "gain b0 [-]"]
     assert first["greyed"] == ["gust length [s]", "wind from [deg]", *gains]
@@ -187,7 +189,7 @@ def test_the_panel_from_its_opening_to_its_end(started: Started, browser: Any) -
 
     handle = browser.find_element(By.CSS_SELECTOR, ".jp-OutputArea .noUi-handle")
     until(lambda _: handle.send_keys(Keys.PAGE_UP) is None)
-    until(lambda _: "this wind requires 0.412 deg" not in seen()["text"][0])
+    until(lambda _: "trim law requires 0.412 deg" not in seen()["text"][0])
     assert seen()["src"] != first["src"]
 
     kernels = started.kernels()

@@ -720,7 +720,7 @@ def test_what_no_page_can_hold_is_replaced() -> None:
             0.3,
             "NOT SUFFICIENT: the limit of 0.300 deg is 0.112 deg (27.1 %) short of the 0.412 deg",
         ),
-        (None, "This wind requires 0.412 deg of deflection."),
+        (None, "In this wind the ideal trim law requires 0.412 deg of deflection."),
     ],
 )
 def test_the_verdict_says_by_how_much(limit: float | None, said: str) -> None:
@@ -815,7 +815,7 @@ def test_the_page_tells_every_doubt_of_the_study(plan: tv.studyfile.StudyPlan) -
     result = find(long)
     assumptions = section(result, "assumptions").text
 
-    assert len(result.study.notes) == 3
+    assert len(result.study.notes) == 4
     assert all(as_sentence(note) in assumptions for note in result.study.notes)
     beside = "".join(one for one in verdict.basis(result) if isinstance(one, str))
     assert "trusts a forecast of the wind" in beside

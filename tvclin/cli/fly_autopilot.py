@@ -457,10 +457,7 @@ class AutopilotFlight:
             verdict, notes = self._verdict, [requirement, *notes]
 
         def details() -> None:
-            """Print the remaining `tables`, the motion, the autopilot and its bounds.
-
-            Only a loop that is `stable` has a motion and bounds.
-            """
+            """Print the remaining `tables`, the autopilot, and of a `stable` loop its motion."""
             print_tables(*tables[1:])
             if stable:
                 uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"

@@ -54,7 +54,7 @@ _MAX_STRAIGHT_PATH_RAD2_S = 300.0 * radians(1.0) ** 2
 may require a percent more in a head wind."""
 _MAX_FROZEN_PLATEAU_S = 5.0
 """Time [s] near the peak of a wind above which parameters vary enough for a few percent."""
-_SAMPLES = 201
+_SAMPLES = 200
 """Number of times at which a wind is compared with its peak."""
 _POLE_REDUCTION = 0.04
 """Relative reduction of the pole of a booster by the damping of air and jet, about."""
@@ -114,9 +114,10 @@ def frozen_parameters(wind: History) -> Iterator[str]:
 
     That is a wind which stays near its peak for long. `wind`: wind angle of attack [rad].
     """
-    times = np.linspace(float(wind.onset), float(wind.end), _SAMPLES)
+    duration = float(wind.end - wind.onset)
+    times = float(wind.onset) + duration * (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     near_peak = np.mean(np.abs(wind(times)) >= 0.9 * abs(float(wind.peak)))
-    plateau = float(near_peak * (wind.end - wind.onset))  # [s]
+    plateau = duration * float(near_peak)  # [s]
     if plateau > _MAX_FROZEN_PLATEAU_S:
         yield (
             f"the vehicle is frozen: a wind that stays near its peak for {plateau:.3g} s may"

@@ -92,8 +92,8 @@ class Question(Record):
     "autopilot", "margins" or "flexible flight"; the answer is None where it is not known, and
     `line` is why.
     `required_deflection` is the required deflection [rad], NaN for a question without one, and
-    `whose` its subject with the verb, in words ("this wind requires"). `measure` holds the required
-    and the available value: by default `required_deflection` and the limit.
+    `whose` its subject with the verb, in words ("this autopilot requires"). `measure` holds the
+    required and the available value: by default `required_deflection` and the limit.
     """
 
     name: str = field(metadata=spec())
@@ -216,7 +216,8 @@ def _wind(findings: Findings) -> Question:
     `findings`: results of a plan with a limit.
     """
     required, governs = findings.study.required_deflection, findings.study.governs
-    whose = f"this wind requires{f' {NOMINAL}' if findings.study.unknown else ''}"
+    pressure = f" {NOMINAL}" if findings.study.unknown else ""
+    whose = f"the ideal trim law requires in this wind{pressure}"
     line: Line = (f"set by {governs}",)
     if not required:
         line = ("no deflection is needed",)

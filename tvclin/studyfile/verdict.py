@@ -17,6 +17,8 @@ from tvclin.winds.shaped import ShapedWind
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite"
 """Verdict where no wind can excite the model."""
+_IDEAL = "In this wind the ideal trim law requires"
+"""Begin of the verdict without a limit."""
 _NONE = f"{sufficiency(False)}: with this dead band no limit is"
 """Verdict where no limit is sufficient."""
 SURVIVES = "survives this wind up to"
@@ -115,9 +117,9 @@ def _required(study: Study) -> Line:
     if np.isinf(need):
         return (_NONE,)
     if need >= np.pi / 2:
-        return ("This wind requires more than 90 deg of deflection, which no nozzle has",)
+        return (f"{_IDEAL} more than 90 deg of deflection, which no nozzle has",)
     required = degrees("verdict.required", need, unit="deg")
-    return ("This wind requires ", *required, " of deflection")
+    return (f"{_IDEAL} ", *required, " of deflection")
 
 
 def _limit_against(worst: Question, limit: float, sufficient: bool | None) -> Line:

@@ -331,7 +331,7 @@ def _verdict(
         sentence = (
             "No answer for these choices."
             if computed
-            else "What this wind requires is computed ..."
+            else "What the ideal trim law requires is computed ..."
         )
         return f"{sentence}{flown}"
     if requirement.beyond_linear:
@@ -344,7 +344,7 @@ def _verdict(
         return f"{sufficiency(None)}: {requirement.unknown}.{flown}"
     word = sufficiency(covered)
     return (
-        f"{word}: with K = {requirement.dead_band:g} this wind requires"
+        f"{word}: with K = {requirement.dead_band:g} the ideal trim law requires"
         f" {np.degrees(required):.3f} deg ({requirement.governs}), and the limit is"
         f" {have:.3f} deg.{flown}"
     )
