@@ -333,7 +333,7 @@ def test_the_source_is_never_written_over(tmp_path: Path) -> None:
     before = file.read_bytes()
     result = run("openrocket", file, *GIVEN, "-o", file)
     assert result.exit_code == 2
-    assert "must not be the file that is read" in result.stderr
+    assert "--output must not be a file that is read" in result.stderr
     assert file.read_bytes() == before
     result = run("openrocket", file, *GIVEN, "-o", tmp_path / "my.txt")
     assert "path must end in .csv" in result.stderr

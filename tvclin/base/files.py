@@ -11,8 +11,9 @@ import stat
 import sys
 import tempfile
 import tomllib
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from copy import deepcopy
 from os import PathLike
 from pathlib import Path
@@ -86,6 +87,30 @@ in the name of a file that are no letters."""
 _FORMULA = ("=", "+", "-", "@", "\t")
 """First characters of a cell that a spreadsheet takes for a formula."""
 _QUOTED = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
+_OUTPUTS: ContextVar[tuple[tuple[str, Path], ...]] = ContextVar("outputs", default=())
+"""Options of the running command that name files to write, with these files."""
+
+
+@contextmanager
+def separate_outputs() -> Iterator[None]:
+    """Within it, a file that `name_output` has named cannot be read."""
+    token = _OUTPUTS.set(())
+    try:
+        yield
+    finally:
+        _OUTPUTS.reset(token)
+
+
+def name_output(option: str, path: Path) -> None:
+    """Add a file that is written at last to those that are not read; `option` names it."""
+    _OUTPUTS.set((*_OUTPUTS.get(), (option, path)))
+
+
+def check_not_output(path: Path) -> None:
+    """Raise `InputError` if `path`, which is about to be read, is a file that is written later."""
+    for option, output in _OUTPUTS.get():
+        if exists(output) and exists(path) and output.samefile(path):
+            raise InputError(f"{option} must not be a file that is read; got {called(output)}")
 
 
 def write_whole(path: Path, write: Callable[[str], Any]) -> None:
@@ -188,6 +213,7 @@ def read_bytes(path: Path, kind: str, start: str = "") -> bytes:
     For messages, `kind` is what it should be, "a vehicle file", and `start` how to get one.
     """
     name = called(path)
+    check_not_output(path)
     _check_ordinary(path)
     try:
         with path.open("rb") as file:

@@ -174,6 +174,7 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command, with its errors, warnings and last its notes as sentences on stderr."""
+        from tvclin.base.files import separate_outputs
         from tvclin.base.package_warnings import pass_warnings
         from tvclin.cli.output import notes_last
 
@@ -182,7 +183,8 @@ class Commands(TyperGroup):
             _say(f"Warning: {sentence}")
 
         # `machine` warnings, of this computer and not of the case, are printed too
-        with _input_errors_as_messages(ctx), pass_warnings(tell, machine=tell), notes_last():
+        sentences = pass_warnings(tell, machine=tell)
+        with _input_errors_as_messages(ctx), sentences, notes_last(), separate_outputs():
             return super().invoke(ctx)
 
 

@@ -13,7 +13,7 @@ from tvclin.ascent.importers.rasaero import read_rasaero
 from tvclin.ascent.importers.simulation_log import read_log
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.errors import InputError, shown
-from tvclin.base.files import called, exists, read_text, tables_of
+from tvclin.base.files import called, read_text, tables_of
 from tvclin.base.lines import Table, words
 from tvclin.cli.options import GROUP, More, grouped, option, to_write
 from tvclin.cli.output import print_answer, say
@@ -96,7 +96,7 @@ def openrocket(
         **site.arguments,  # slope of the normal force, and launch site
         **vars(rows),  # times, and number of rows
     )
-    _write(imported, file, output, more)
+    _write(imported, output, more)
 
 
 @import_.command()
@@ -130,7 +130,7 @@ def rasaero(
         **arguments,  # slope of the normal force, and launch site
         **vars(rows),  # times, and number of rows
     )
-    _write(imported, file, output, more)
+    _write(imported, output, more)
 
 
 @import_.command()
@@ -150,7 +150,7 @@ def table(
     Exit code 0: written; 2: bad input, and nothing is written.
     """
     schedule = read_table(file, _columns(columns), **vars(rows))
-    _write(schedule, file, output, more)
+    _write(schedule, output, more)
 
 
 @import_.command()
@@ -178,10 +178,10 @@ def log(
     """
     result = read_log(file, None if columns is None else _columns(columns), **vars(rows))
     if wind_output is None:
-        _write(result.schedule, file, output, more)
+        _write(result.schedule, output, more)
         return
     result.profile  # noqa: B018  # nothing is written where it has none
-    _write(result.schedule, file, output, more)
+    _write(result.schedule, output, more)
     result.write_wind(wind_output)
     say(f"Wrote {called(wind_output)}: add --winds {wind_output} --azimuth-deg 0")
 
@@ -208,14 +208,11 @@ def _inertias(texts: list[str]) -> tuple[list[float], list[float]]:
     return list(times), list(inertias)
 
 
-def _write(schedule: FlightSchedule, file: Path, output: Path, more: bool) -> None:
+def _write(schedule: FlightSchedule, output: Path, more: bool) -> None:
     """Write a schedule into the file `output`, and print its coefficients over time and its notes.
 
-    `file`: file that was read. `more`: whether all notes are printed. Notes on single columns come
-    last. `InputError` where the output is the file that is read.
+    `more`: whether all notes are printed. Notes on single columns come last.
     """
-    if exists(output) and exists(file) and output.samefile(file):
-        raise InputError(f"--output must not be the file that is read; got {called(output)}")
     schedule.to_csv(output)
     written = f"wrote {called(output)}: {schedule.times.size} times. Then: tvclin ascent {output}"
     # a note "weight: ..." says where a column comes from, and no more

@@ -15,7 +15,7 @@ import typer
 
 from tvclin.base.errors import InputError
 from tvclin.base.fields import Field, help_line, parameters
-from tvclin.base.files import target_of, write_text
+from tvclin.base.files import name_output, target_of, write_text
 from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
@@ -36,16 +36,20 @@ if TYPE_CHECKING:
     from tvclin.plots.curves import Curves
 
 
-def to_write(file: Path | None) -> Path | None:
-    """Return the file of an option; raises before the work where it cannot be written."""
+def to_write(option: typer.CallbackParam, file: Path | None) -> Path | None:
+    """Return the file of an option, which the command then cannot read.
+
+    `InputError` before the work where it cannot be written.
+    """
     if file is not None:
         target_of(file)
+        name_output(max(option.opts, key=len), file)
     return file
 
 
-def _to_draw(file: Path | None) -> Path | None:
+def _to_draw(option: typer.CallbackParam, file: Path | None) -> Path | None:
     """Return the file of a figure; `InputError` if it cannot be written or has no known format."""
-    if to_write(file) is not None:
+    if to_write(option, file) is not None:
         from tvclin.plots.style import figure_format
 
         figure_format(cast(Path, file))
@@ -98,7 +102,7 @@ def option(
     shown: str = "",
     flag: str = "",
     metavar: str | None = None,
-    callback: Callable[[Any], Any] | None = None,
+    callback: Callable[..., Any] | None = None,
 ) -> Any:
     """Return the option of a command for a parameter, with its help.
 

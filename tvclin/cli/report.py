@@ -8,7 +8,7 @@ import typer
 from tvclin.base.files import called, write_whole
 from tvclin.base.lines import text
 from tvclin.cli.inputs import note_omissions, only_with
-from tvclin.cli.options import At, option
+from tvclin.cli.options import At, option, to_write
 from tvclin.cli.output import bar, say
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import all_yes
@@ -26,9 +26,10 @@ def report(
         ),
     ] = None,
     time: At = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="The page to write.")] = Path(
-        "report.html"
-    ),
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="The page to write.", callback=to_write),
+    ] = Path("report.html"),
 ) -> None:
     """Write all answers of tvclin study, with figures and assumptions, as one HTML page.
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from tvclin.base import errors
 from tvclin.base.fields import checked, count, file_table, quantity, text
-from tvclin.base.files import called, exists
+from tvclin.base.files import called, check_not_output, exists
 from tvclin.base.sheet import MAX_COLUMNS, MAX_HEAD_LINE, Headings, Text, read_lines, sheet_in
 from tvclin.winds.soundings import igra, rocketpy, synthetic, wind_table, wyoming
 from tvclin.winds.soundings.archive import SoundingCollection, SoundingFilter, Soundings, to_minutes
@@ -312,6 +312,8 @@ def _files(source: Any) -> list[Path]:
             )
         inside = sorted(item.iterdir()) if item.is_dir() else [item]  # not those of its folders
         files += [file for file in inside if file.is_file() and not file.name.startswith(".")]
+    for file in files:
+        check_not_output(file)
     if not files:
         raise errors.InputError(
             f"no file of soundings in {', '.join(map(called, paths)) or 'an empty list'}"
