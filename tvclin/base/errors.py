@@ -62,9 +62,9 @@ class Faults:
     --------
     >>> faults = Faults()
     >>> for value in (-1.0, 1.0, -2.0):
-    ...     with faults.kept():
+    ...     with faults.collect():
     ...         _ = positive("number", value)
-    >>> faults.tell()
+    >>> faults.raise_all()
     Traceback (most recent call last):
     tvclin.base.errors.InputError: number must be positive; got -1
     number must be positive; got -2
@@ -75,14 +75,14 @@ class Faults:
         self.lines: list[str] = []
 
     @contextmanager
-    def kept(self) -> Iterator[None]:
+    def collect(self) -> Iterator[None]:
         """Collect the `InputError` raised inside, each line once."""
         try:
             yield
         except InputError as error:
             self.lines += [line for line in str(error).split("\n") if line not in self.lines]
 
-    def tell(self) -> None:
+    def raise_all(self) -> None:
         """Raise an `InputError` of all collected lines, if there are any."""
         if self.lines:
             raise InputError("\n".join(self.lines))

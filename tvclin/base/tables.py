@@ -95,7 +95,7 @@ class FileTable:
         key_of: dict[str, str] = {}
         faults = Faults()
         for key, value in table.items():
-            with faults.kept():
+            with faults.collect():
                 if key in self.words:
                     values[key] = value
                 elif key in self.lists:
@@ -118,7 +118,7 @@ class FileTable:
                     values[name] = plain * factor
                 else:
                     raise InputError(self.unknown(key))
-        faults.tell()
+        faults.raise_all()
         self.need(values, self.required)
         return {self.fields.get(name, name): value for name, value in values.items()}
 
@@ -135,10 +135,10 @@ class FileTable:
         """Raise `InputError` for required `names` that are missing in `values`."""
         faults = Faults()
         for name in names:
-            with faults.kept():
+            with faults.collect():
                 if name not in values:
                     raise InputError(f"a key is missing in {self.heading}: {self.spelled(name)}")
-        faults.tell()
+        faults.raise_all()
 
     def write(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the numbers `values`, by name, in SI units by key: the inverse of `read`.
@@ -172,11 +172,11 @@ def check_known(what: str, keys: Iterable[str], names: Iterable[str]) -> None:
     """Raise `InputError` for `keys`, each a `what`, not among `names`, with similar names."""
     legal, faults = list(names), Faults()
     for key in keys:
-        with faults.kept():
+        with faults.collect():
             if key not in legal:
                 similar = get_close_matches(key, legal, n=2, cutoff=0.5)
                 raise InputError(f"unknown {what}: {shown(key)}; {_hint(similar, legal)}")
-    faults.tell()
+    faults.raise_all()
 
 
 def _hint(similar: list[str], legal: Iterable[str]) -> str:

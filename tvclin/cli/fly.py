@@ -195,15 +195,15 @@ def fly(
     condition, faults = None, Faults()
     case = case_of(vehicle, *changes, time=time)
     note_single_time(vehicle, time)
-    with faults.kept():
+    with faults.collect():
         case = single.applied_to(case, vehicle)
     engine, varying, *law_and_dead_band = choice.resolved(vehicle, case, law_options, motion)
     name, cases = single.name(case), {"": case}
-    with faults.kept():
+    with faults.collect():
         cases = winds_in_flight(case) if varying else cases
-    with faults.kept():
+    with faults.collect():
         condition = load_flight_condition(vehicle_source(vehicle)) if varying else None
-    faults.tell()
+    faults.raise_all()
     with waiting("flying"):
         flown = {k: Flying(case, name, *law_and_dead_band) for k, case in cases.items()}
         answer = _flown(flown, engine, condition, more)

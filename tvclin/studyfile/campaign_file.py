@@ -378,7 +378,7 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
     unknown table, keys and values of single tables, winds, and dispersions.
     """
     faults = Faults()
-    with faults.kept():
+    with faults.collect():
         # a file without [study] and [campaign] may be a vehicle file
         vehicle_tables = () if {"study", "campaign"} & document.keys() else HEADINGS
         loose = [key for key, value in document.items() if not isinstance(value, dict | list)]
@@ -389,19 +389,19 @@ def _check_tables(document: Mapping[str, Any], folder: Path) -> None:
             )
         check_known("table", document, [*vehicle_tables, *(table.name for table in TABLES)])
     for table in _SINGLE_TABLES:
-        with faults.kept():
+        with faults.collect():
             keys = table.one(document)
             if table is SOURCE_TABLE:
                 continue  # it may hold a whole flight
             if table.name in document or table in _STUDY_TABLES:
                 _check_keys(table, keys)
                 table.read(keys)
-    with faults.kept():
+    with faults.collect():
         if "wind" in document and not is_wind_measured(document):
             winds_of(document, folder)
-    with faults.kept():
+    with faults.collect():
         dispersions_of(document)
-    faults.tell()
+    faults.raise_all()
 
 
 def _check_keys(table: FileTable, keys: Mapping[str, Any]) -> None:
@@ -412,10 +412,10 @@ def _check_keys(table: FileTable, keys: Mapping[str, Any]) -> None:
     faults = Faults()
     for key in keys:
         homes = [other.heading for other in TABLES if key in other.every_key]
-        with faults.kept():
+        with faults.collect():
             if homes and key not in (*table.every_key, *table.quantities):
                 raise InputError(f"{key} stands in {' or '.join(homes)}, not in {table.heading}")
-    faults.tell()
+    faults.raise_all()
 
 
 def question_of(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -483,9 +483,9 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
     correlation = CORRELATION_TABLE.each(document)
     dispersions, faults = [], Faults()
     for row in rows:
-        with faults.kept():
+        with faults.collect():
             dispersions.append(_dispersion(row))
-    faults.tell()
+    faults.raise_all()
     names = [dispersion.parameter for dispersion in dispersions]
     if not correlation:
         return Dispersions(tuple(dispersions))

@@ -88,9 +88,9 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         readers["dispersions"] = lambda: dispersions_of(document)
     faults, values = Faults(), {}
     for name, read in readers.items():
-        with faults.kept():
+        with faults.collect():
             values[name] = read()
-    faults.tell()
+    faults.raise_all()
     data = with_flight_data(subject["vehicle"], values["nozzle"], document, folder)
     subject["vehicle"], values["nozzle"] = data["vehicle"], data["nozzle"]
     design, time = values["design"], getattr(subject["vehicle"], "time", None)

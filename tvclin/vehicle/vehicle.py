@@ -143,11 +143,11 @@ class Vehicle:
         errors.text("numbers_from", self.numbers_from)
         checked, faults = {}, errors.Faults()
         for item in fields_of(self):
-            with faults.kept():
+            with faults.collect():
                 if item.name not in _OPTIONAL or getattr(self, item.name) is not None:
                     value = item.check(item.name, getattr(self, item.name), item.si_unit)
                     checked[item.name] = value
-        faults.tell()
+        faults.raise_all()
         errors.together(**checked)  # their shapes must broadcast
         for name, array in checked.items():
             _check_size(name, array)

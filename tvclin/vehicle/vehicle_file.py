@@ -159,15 +159,15 @@ def parse_vehicle(text: str, source: str) -> Vehicle:
     if is_csv(source) or is_schedule_document(tables_of(text, source)):
         raise InputError(missing_time_message(source))
     faults, vehicle, structure = Faults(), None, None
-    with faults.kept():
+    with faults.collect():
         table_of(text, source, VEHICLE_TABLE)  # raises for faulty headings
     document = tables_of(text, source)
-    with faults.kept(), naming(called(source)):
+    with faults.collect(), naming(called(source)):
         structure = build_structure(document)
     row = document.get("vehicle")
-    with faults.kept(), naming(called(source)):
+    with faults.collect(), naming(called(source)):
         vehicle = build_vehicle(row) if isinstance(row, dict) else None
-    faults.tell()
+    faults.raise_all()
     assert vehicle is not None  # or its table is at fault
     return vehicle.replace(structure=structure)
 
