@@ -181,7 +181,10 @@ class MeasuredWind:
         return float(self.wind.time[0]), float(self.wind.time[-1])
 
     def __call__(self, vehicle: Vehicle) -> History:
-        """Return the wind of one sign around the vehicle's time [s], in flight time."""
+        """Return the wind angle [rad] around the vehicle's time [s], of the largest angle's sign.
+
+        It is a history over flight time, with the gust; angles of the opposite sign become zero.
+        """
         return self._around(vehicle, opposite=0.0)
 
     def of_both_signs(self, vehicle: Vehicle) -> History:

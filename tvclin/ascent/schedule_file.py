@@ -231,7 +231,10 @@ def _pressure_notes(rows: list[Row]) -> Iterator[str]:
 
 
 def _with_inertia_rates(rows: list[Row]) -> list[Row]:
-    """Return rows with the rate of the inertia, by differences, where jet damping needs it."""
+    """Return rows with the rate of the inertia, by differences, where jet damping needs it.
+
+    Rows without time or inertia, or with times that do not rise, are returned as they are.
+    """
     values = _numbers_of(rows, "time", "moment_of_inertia")
     if not values or "jet_mass_flow" not in values[0] or "inertia_rate" in values[0]:
         return rows

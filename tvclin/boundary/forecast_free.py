@@ -278,7 +278,7 @@ def forecast_free_limit(
     results = np.empty((which.size, 3))
     terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
     work = (winds, which, pole.flatten(), results)
-    # the constants are the seconds per term of a wind, in plain Python and as machine code
+    # estimated run time, which decides between compiled and plain code
     run(largest_remaining_integrals, work, which.size, PLAIN * terms, COMPILED * terms)
     # W(onset), the largest W, and its time [s]
     wind_known, largest, when = np.moveaxis(results.reshape(*shape, 3), -1, 0)

@@ -76,7 +76,8 @@ class ExitProblem:
     def solve(self, literal: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return time [s], demand and status of the exit of the dead band, ``(...)`` each.
 
-        The driver is B alpha_w, or trim if `literal`; it exits the dead band at K times the demand.
+        The driver is B alpha_w, or trim if `literal`, B being trim deflection per angle of
+        attack; it exits the dead band at K times the demand.
         The demand is the constant deflection from then on that satisfies eq (4b) of the report,
         normalised by B alpha_w,max. The status is `switches.JUMP` where the demand jumps over the
         limit as the driver returns to an earlier height, and `switches.UNREACHED` where it stays
@@ -93,14 +94,15 @@ class ExitProblem:
     def largest_trim(self, cases: BoolArray) -> FloatArray:
         """Return the largest trim over B alpha_w,max of the cases where `cases` is True; else zero.
 
-        Both have the shape of the batch. It is infinite where trim grows without bound after the
-        wind.
+        Both have the shape of the batch; B is trim deflection per angle of attack. It is
+        infinite where trim grows without bound after the wind.
         """
         trims = np.zeros(self.shape)
         winds, which, numbers = self._arrays  # winds; of each case the wind's index and parameters
         selected = np.flatnonzero(cases)
         out = np.empty(selected.size)
         arrays = (winds, which[selected], numbers[selected], out)
+        # `longer`: factor on the run time, above one where trim is the filtered wind
         self._run(switches.largest_trims, *arrays, longer=self._filtering)
         trims.ravel()[selected] = out
         return trims
@@ -156,7 +158,7 @@ class ExitProblem:
         """
         knots, _, rates = winds
         terms = longer * knots.shape[-1] * rates.shape[-1] * which.size
-        # time of all cases in plain Python and compiled, which decides whether to compile
+        # estimated run time, which decides between compiled and plain code
         seconds = (switches.PLAIN * terms, switches.COMPILED * terms)
         run(function, (winds, which, *arrays), which.size, *seconds)
 

@@ -480,10 +480,11 @@ class _Moments:
 
     @cached_property
     def nodes(self) -> tuple[Vectors, FloatArray]:
-        """Functions a p e^(-p t), ``(k, m)``, of k poles p and axes a at m nodes, and weights [s].
+        """Functions a p e^(-p t) ``(k, m)`` of k poles p at m nodes, and weights ``(m,)`` [s].
 
-        Nodes are Gauss-Legendre points of each cell in x = e^(-p t) of the slowest pole; the last
-        cell, endless in time, ends at x = 0.
+        Their sum with multipliers is the switching function, which `norm` integrates; the axis a of
+        a pole is 1 in pitch and j in yaw. Nodes are Gauss-Legendre points of each cell in
+        x = e^(-p t) of the slowest pole; the last cell, endless in time, ends at x = 0.
         """
         slow = self.poles.min()
         x = np.exp(-slow * self.edges)

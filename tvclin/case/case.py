@@ -299,7 +299,7 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     # Two steps in each duration of the gust.
     steps = int(np.clip(2.0 * length / float(gust.end - gust.onset), _MIN_STEPS, _MAX_STEPS))
     times = np.linspace(0.0, length, steps + 1)
-    # the scan and its refinements: similar calls, which count together for compiling kernels
+    # the scan and its refinements: similar runs, which decide between compiled and plain code
     with suppress(InputError), repeated(1 + _REFINEMENTS):
         scan = required(times)
         if not np.all(np.isfinite(scan)) or scan.max() == 0.0:

@@ -187,7 +187,7 @@ def _split(text: str) -> tuple[str, tuple[float, float], bool]:
 def _nominal(name: str, vehicle: Vehicle, autopilot: Autopilot, wind: ShapedWind) -> float:
     """Return the nominal value [SI] of a number of vehicle, autopilot or wind, by its name.
 
-    Zero where none is defined.
+    Zero where none is defined; one of "gain", a factor on all gains.
     """
     actuator = autopilot.actuator
     values: dict[str, Any] = {**vars(vehicle), **vars(autopilot), **wind.nominal, "gain": 1.0}

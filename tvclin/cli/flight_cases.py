@@ -44,8 +44,8 @@ class Compared:
     `flying`: plan, wind, law and engine, a `Flying`. `reference`: name of the comparison, "linear"
     or "rigid". `boundary`: smallest limits that survive, of flight and comparison; None where
     neither was sought, the first None where that was not. `verdict` stands above the table, `title`
-    and `columns` in it, `flight_notes` below it, and `heads`, the setting, among the details;
-    `facts` are for JSON alone.
+    and `columns` in it, `flight_notes` below it, and `setting_lines`, on vehicle, wind, control and
+    assumptions, among the details; `facts` are for JSON alone.
     """
 
     flying: Any
@@ -54,7 +54,7 @@ class Compared:
     reference: str
     columns: tuple[str, ...]
     boundary: tuple[float | None, float] | None
-    heads: list[str]
+    setting_lines: list[str]
     verdict: str
     flight_notes: tuple[str, ...]
     title: str
@@ -70,13 +70,13 @@ class Compared:
     def show(self, shown: ShownCurves, more: bool) -> bool:
         """Print the flight, write its files, and return whether it survived.
 
-        `shown`: options of JSON, CSV file and figure. `more`: print the details too, `heads`.
+        `shown`: options of JSON, CSV file and figure. `more`: print details too, `setting_lines`.
         """
         self.write(shown)
         if shown.as_json:
             print_json(self.document())
         else:
-            details = partial(say, "\n".join(self.heads))
+            details = partial(say, "\n".join(self.setting_lines))
             print_answer(self.verdict, self.table(), notes=self.notes, more=more, details=details)
         return bool(self.flight.survived)
 
@@ -276,7 +276,7 @@ class FlightCase(Flying):
         return flight_title(self) + ("" if band is None else f", K = {band:g}")
 
     @property
-    def heads(self) -> list[str]:
+    def setting_lines(self) -> list[str]:
         """Lines on the engine of the flight and its assumptions.
 
         With a `condition` (altitude, specific impulse) the vehicle varies along a gravity turn.
@@ -398,7 +398,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
         reference="linear",
         columns=("flown", "linear"),
         boundary=(_flown_boundary(case) if boundary else None, case.boundary),
-        heads=case.heads,
+        setting_lines=case.setting_lines,
         verdict=(
             f"{survival(flight.survived)} with {np.degrees(limit):.3f} deg{rate} {case.conditions};"
             f" linear theory: {survival(flight.predicted)}{case.unknown_suffix}"

@@ -177,7 +177,7 @@ def _compared(
         reference="rigid",
         columns=("flexible", "rigid") if case.is_flexible else ("flown",),
         boundary=(sizes[0], sizes[-1]) if sizes else None,
-        heads=[case.title],
+        setting_lines=[case.title],
         verdict=f"{_word(flown_status)} with {size} {NOMINAL}, {FROZEN_VEHICLE}{ending}"
         f"{case.unknown_suffix}",
         flight_notes=tuple(_flight_notes(case, flight, boundaries or ())),
@@ -457,15 +457,18 @@ class AutopilotFlight:
             verdict, notes = self._verdict, [requirement, *notes]
 
         def details() -> None:
-            """Print the remaining `tables`, the autopilot, and of a `stable` loop its motion."""
+            """Print the remaining `tables`, vehicle, wind and control of the flight, the autopilot.
+
+            Of a `stable` loop also its motion.
+            """
             print_tables(*tables[1:])
             if stable:
                 uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"
                 say(f"In this wind the autopilot uses {uses}.")
                 rows = [*self.compared.motions(), *self._further_rows()]
                 print_tables(quantities("In this wind", rows))
-            for head in self.flight.heads if self.flight is not None else ():
-                say(head)
+            for line in self.flight.setting_lines if self.flight is not None else ():
+                say(line)
             print_autopilot("Autopilot", self.compared.autopilot, self.compared.plant)
             if stable:
                 print_bounds(self.compared.autopilot, self.compared.plant)

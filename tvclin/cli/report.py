@@ -55,7 +55,7 @@ def report(
         Path(target).write_text(page, encoding="utf-8", newline="")
         findings.append(result)
 
-    announce(CURVES_SECONDS)
+    announce(CURVES_SECONDS)  # estimated run time, which decides between compiled and plain code
     with bar("parts of the page") as progress:
         write_whole(output, write)
     say(f"Wrote {called(output)}. {text(sentence(findings[0]))}")

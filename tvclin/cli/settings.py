@@ -240,7 +240,7 @@ def field_key(option: str) -> str | None:
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name
 
-    # without units: first the option's own key, then others that it excludes
+    # without units: first the option's own key, then keys that may not be set beside it
     first, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))
     return next((k.name for k in all_keys() if quantity_name(k.name) == first), None)
 

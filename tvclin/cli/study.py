@@ -109,6 +109,7 @@ def study(
         from tvclin.kernels.choice import announce
         from tvclin.plots.boundaries import CURVES_SECONDS
 
+        # estimated run time, which decides between compiled and plain code
         announce(CURVES_SECONDS)
     with bar("answers") as progress:
         # flown margins are of the page alone

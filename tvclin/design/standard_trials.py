@@ -230,7 +230,7 @@ def law_trials(
         if progress is not None:
             progress(pair * total + done, len(pairs) * total)
 
-    with repeated(len(pairs)):  # so many are worth compiled kernels
+    with repeated(len(pairs)):  # similar runs, which decide between compiled and plain code
         return LawTrials(
             _trial(plant, law, wind, cuts, loads, flown, progress=partial(report, k))
             for k, (law, wind) in enumerate(pairs)
@@ -379,7 +379,10 @@ def limit_tables(
             yield ((wind,), *cells, number_cell(f"{key}.any{unit}", scale * entry.no_forecast))
 
     def minimum_rows() -> Iterator[tuple[Line, ...]]:
-        """Yield the rows of trim [deg], and the minimum [deg] and over trim, by wind."""
+        """Yield a row of each wind: trim [deg], and the minimum of any control [deg], over trim.
+
+        Each number has a key for JSON, by the index of the wind: as in `rows`, and "ideal" of trim.
+        """
         for j, (wind, (trim, _, minimum)) in enumerate(wind_bounds.items()):
             ideal = number_cell(f"laws.{j}.ideal_deg", trim)
             deflection = number_cell(f"laws.{j}.minimum_deg", trim * minimum)

@@ -343,6 +343,7 @@ def _linear(
     the report's control, or a law. `limit`: deflection limit [rad].
     """
     if isinstance(control, ReportControl):
+        # trim opposes the wind; B, the ratio of trim deflection to angle of attack, may be negative
         sign = -float(np.sign(plant.coefficients.B * wind.peak))
         deflection = trim_then_hold(plant, wind, sign * limit, control.dead_band, "literal")
         outputs = attitude_responses(plant, deflection, wind, times)

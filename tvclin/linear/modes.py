@@ -84,7 +84,7 @@ def all_modes(plant: Plant) -> Modes:
 
 
 def unstable_modes(plant: Plant) -> Modes:
-    """Return the unstable poles of a plant and the residues of its attitude there.
+    """Return the unstable poles, and the residues there from deflection and wind to attitude.
 
     Parameters
     ----------
@@ -93,7 +93,8 @@ def unstable_modes(plant: Plant) -> Modes:
 
     Notes
     -----
-    Eq (4b) is a condition for each of them. There is one for eqs (5) and (B8); two for the exact
+    At each of them the residue of the attitude must vanish, eq (4b), if the vehicle is to survive.
+    There is one for eqs (5) and (B8); two for the exact
     third-order model of an unstable vehicle, three for the fourth-order model, two of them a
     complex pair, and none for a stable vehicle on a fixed path. Poles on the imaginary axis do
     not count.

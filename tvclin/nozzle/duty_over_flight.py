@@ -227,7 +227,7 @@ def flight_duty(
     unknown: dict[str, dict[float, str]] = {}
     angles = dict.fromkeys(winds, 0.0)
     pairs = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
-    with repeated(len(pairs)):  # similar flights: compiled where that pays for all of them
+    with repeated(len(pairs)):  # similar runs, which decide between compiled and plain code
         for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
             vehicle = request.schedule.at(time)

@@ -131,7 +131,8 @@ def responses(
     rising = times.copy() if order is None else times[order]
     out = np.empty((case_rows.shape[1], plants[2].shape[-1], times.size))
     indistinct = np.zeros(len(out), dtype=bool)
-    seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)  # of the kernel as plain Python
+    # estimated run time, which decides between compiled and plain code
+    seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)
     kernel = choice.fastest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
@@ -140,6 +141,7 @@ def responses(
         with np.errstate(all="ignore"):  # overflows are infinite
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)
 
+    # in threads by the run time of compiled code; plain code, of time 0.0, in one thread
     in_slices(work, len(out), 0.0 if kernel is respond else COMPILED * seconds)
     if order is not None:
         out[..., order] = out.copy()

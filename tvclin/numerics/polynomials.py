@@ -122,7 +122,7 @@ def roots(polynomial: FloatArray) -> AnyArray:
         rows = rows.reshape(-1, degree + 1)
         rows = rows[:1] if np.all(rows == rows[:1]) else rows  # one vehicle in many winds
         count, row_roots = len(rows), np.empty((len(rows), degree), dtype=complex)
-        # the constants are the seconds per row, in plain Python and as machine code
+        # estimated run time, which decides between compiled and plain code
         run(small_roots, (rows, row_roots), count, PLAIN * count, COMPILED * count)
         all_roots = np.resize(row_roots, monic.shape)
         return all_roots if np.any(np.imag(all_roots)) else np.real(all_roots)

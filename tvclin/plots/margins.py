@@ -99,10 +99,11 @@ def _finite(values: FloatArray) -> FloatArray:
 
 
 def _lowest(judgements: list[Judgement]) -> FloatArray:
-    """Return the value of the smallest surplus over modes and changes, ``(n,)``; NaN if unstable.
+    """Return the margin with the smallest surplus at each of n flight times, ``(n,)``.
 
-    `judgements`: of each mode or change, values and surplus with one criterion, ``(n,)``. A surplus
-    is NaN where the loop is unstable, which counts as the smallest.
+    `judgements`: of each mode or detuned loop, margins and their surplus over one criterion,
+    ``(n,)``. A surplus is NaN where the loop is unstable, which counts as the smallest; so is the
+    result there.
     """
     values = np.concatenate([np.atleast_2d(judged.value) for judged in judgements])
     surplus = np.concatenate([np.atleast_2d(judged.surplus) for judged in judgements])

@@ -470,8 +470,9 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     """Return the radii [1/s] of one or two panels around s = 0, the outer radius first.
 
     The outer panel has all poles but the delay's; the inner one the poles of the rigid vehicle and
-    the slow closed-loop poles, and is omitted if its radius is near the outer one. `samples`: the
-    loop. `poles`: its closed-loop poles [1/s].
+    the slow closed-loop poles; with bending modes, whose poles have panels of their own, up to the
+    frequency of the gain margin instead. It is omitted if its radius is near the outer one.
+    `samples`: the loop. `poles`: its closed-loop poles [1/s].
     """
     order = samples.loop.form.open_poles().shape[-1]  # number of poles without the delay
     sizes = np.sort(np.abs(poles))[:order]  # the poles of the delay are the largest
@@ -482,7 +483,7 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     outer = 1.2 * float(np.nanmax([*corners, *highest]))
     rigid = np.abs(samples.airframe)  # poles of the rigid vehicle
     slow = [*rigid, *sizes[sizes < 0.25 * outer]]
-    if samples.modes:  # closed-loop poles of modes have their own panel
+    if samples.modes:
         slow = [*rigid, *highest[np.isfinite(highest)]]
     inner = 1.5 * float(max(slow, default=outer))
     return [outer, inner] if inner < 0.35 * outer else [outer]

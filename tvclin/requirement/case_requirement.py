@@ -167,7 +167,7 @@ class CaseRequirement:
     def plane_ratio(self) -> float:
         """Limit of both planes over the limit of this plane; 1 if no other plane is judged.
 
-        The ratio is given by the wind's peaks in both planes, see `ratio_to`.
+        The wind's peaks in both planes give it; `planes`: the requirement of both, or None.
         """
         return (
             self.planes.ratio_to(self.plane)
@@ -177,7 +177,10 @@ class CaseRequirement:
 
     @property
     def direction(self) -> str:
-        """The direction of the wind that sets the required deflection, or `FROZEN`."""
+        """The direction of the wind that sets the required deflection: head, tail or cross.
+
+        `FROZEN` where that is at nominal dynamic pressure, so that `encountered` is empty.
+        """
         return max(self.encountered, key=self.encountered.__getitem__, default=FROZEN)
 
     @property

@@ -267,7 +267,8 @@ def encountered_batch(
 def _of_ensemble(winds: History, vehicle: Vehicle, plane: str) -> EncounteredWind:
     """Return measured winds as encountered: in pitch they blow along the path, in yaw across it.
 
-    `winds`: wind angles [rad], with their signs. `vehicle`: vehicle, or batch of the winds.
+    `winds`: wind angles [rad], with their signs, without speeds. `vehicle`: vehicle, or batch of
+    the winds.
     """
     # fractions of the angle in pitch and yaw are those of the speed along and across the path
     along, across = (1.0, 0.0) if plane == "pitch" else (0.0, 1.0)

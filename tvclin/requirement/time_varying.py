@@ -276,7 +276,10 @@ class VaryingRequirement:
 def varying_requirement(
     motion: Motion, encountered: Encounter | Sequence[Encounter], dead_band: float = 1.0
 ) -> VaryingRequirement:
-    """Return trim, required deflection at a dead band K and lower bound [rad] of winds, ``(n,)``.
+    """Return trim, required deflection at a dead band K and lower bound [rad] of n winds, ``(n,)``.
+
+    Trim and demand are curves over time: the deflection of ideal trim, and the deflection limit
+    that is sufficient when it is held from then on.
 
     Parameters
     ----------
@@ -296,11 +299,15 @@ def varying_requirement(
     winds = SteppedWinds(equations, times, wind, ratio)
     trim_and_demand = winds.curves()
     trim = trim_and_demand.largest_trim
-    reach = equations.end[:, -1]  # control reach R of the fastest real unstable mode, NaN without
+    # effect of a unit deflection, held after the wind, on the fastest real unstable mode: NaN
+    # without such a mode
+    reach = equations.end[:, -1]
     no_real_mode = np.broadcast_to(np.isnan(reach), trim.shape)
-    # the demand at the onset bounds every control; else only the minimum peak of `_exits` does
+    # the demand at the onset, the begin of the first step, bounds every control from below, unless
+    # the effect of a deflection `reverses`; then the minimum peaks alone do
     demand_bounds = ~(no_real_mode | equations.reverses)
     minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
+    # for K < 1: the limit with which trim leaves the dead band K, and when
     peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
@@ -374,7 +381,7 @@ def batch_requirements(
         same_steps = finite[np.ravel(group) == k]
         batch_size = int(MAX_BATCH_STEPS // groups[k].sum()) + 1
         batches += np.split(same_steps, range(batch_size, same_steps.size, batch_size))
-    with repeated(len(batches)):  # so many are worth compiled kernels
+    with repeated(len(batches)):  # similar runs, which decide between compiled and plain code
         for cases in batches:
             batch = equations.of(cases), encountered.of(cases, count)
             required[cases] = varying_requirement(*batch, dead_band).required
@@ -531,6 +538,7 @@ class SteppedWinds:
                 marches.trim_and_demand,
                 (*self._columns(), trim, demand, slope, path),
                 cases=cases,
+                # estimated run time, which decides between compiled and plain code
                 seconds=marches.PLAIN * cases * steps,
                 compiled_seconds=marches.COMPILED * cases * steps,
             )
@@ -579,6 +587,7 @@ class SteppedWinds:
             marches.limited_trim,
             (*winds._columns(), _FEEDBACK_OVER_TRIM, max_attitude, checked, tried, diverged),
             cases=len(limits),
+            # estimated run time, which decides between compiled and plain code
             seconds=marches.LIMITED_PLAIN * work,
             compiled_seconds=marches.LIMITED_COMPILED * work,
         )
@@ -591,7 +600,7 @@ class SteppedWinds:
         limited.
         """
         from tvclin.flights.closed_loop.survival_limit import (
-            limits_above_losses,  # late: with all flights
+            limits_above_losses,  # late: its file loads all of `flights`
         )
 
         bottom = np.maximum(low, _MIN_LIMIT)

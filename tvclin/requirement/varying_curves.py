@@ -255,6 +255,7 @@ class Curves:
             exits.dead_band_exits,
             (*(np.require(x, float, ["C", "W"]) for x in arrays), dead_band, limit, position),
             cases=len(demand),
+            # estimated run time, which decides between compiled and plain code
             seconds=exits.PLAIN * work,
             compiled_seconds=exits.COMPILED * work,
         )

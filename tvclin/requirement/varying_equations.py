@@ -171,7 +171,8 @@ def minimum_peaks(
     if limits is None:
         limits = np.full(peaks.shape, np.nan)
     arrays = costates, reaches, poles, cells, path, limits
-    count = costates.shape[1]  # modes; then numbers of operations, for the estimates of seconds
+    # estimated run time, which decides between compiled and plain code, by numbers of operations
+    count = costates.shape[1]  # modes
     work = peaks.size * count
     duals = len(path) + np.sum(~np.isnan(limits))
     sums = duals * marches.TANGENTS ** (count - 1) * float(path.shape[1] + cells.shape[-1])
@@ -312,8 +313,12 @@ class Equations:
 
     @property
     def fastest(self) -> FloatArray:
-        """Largest rate [1/s] of the attitude of each vehicle, sqrt(abs(mu_alpha)), ``(n,)``."""
-        mu_alpha = self.nominal[..., 1, 0]  # row of the attitude rate, column of attitude
+        """Largest rate [1/s] of the attitude over the steps of n vehicles, ``(n,)``.
+
+        It is sqrt(abs(mu_alpha)), mu_alpha [1/s^2] being the aerodynamic moment over the inertia.
+        """
+        # (n, S, 3), of begin, middle and end of S steps: row of the rate, column of attitude
+        mu_alpha = self.nominal[..., 1, 0]
         return np.asarray(np.sqrt(np.abs(mu_alpha).max(axis=(1, 2))))
 
     @property

@@ -203,7 +203,8 @@ class FlightLoop:
         for k, case in enumerate(cases):
             of_case: list[FlightOutcome] = []
             for direction in self._directions(case.wind):
-                with repeated(len(cases)):  # many flights are worth compiled kernels
+                # similar runs, which decide between compiled and plain code
+                with repeated(len(cases)):
                     flown = next(flights)
                 if flown.status != "lost" and case.time is None:  # a sounding without a gust
                     used = np.fmax(used, used_around(flown, times))

@@ -376,7 +376,7 @@ class Piecewise(History):
     arrays: Pieces
 
     def _pieces(self) -> Pieces:
-        """Return the pieces."""
+        """Return the pieces from which the history was made."""
         return self.arrays
 
     def __repr__(self) -> str:

@@ -245,7 +245,8 @@ def _veering_component(
     """Return the wind times cos(direction + rates (t - onset)), exact: two terms for each term.
 
     `wind`: wind angle [rad]. `direction`: at its onset [rad]. `rates`: rates of veer [rad/s].
-    `shape`: shape of the batch to which all three broadcast.
+    `shape`: shape of the batch to which all three broadcast. `unit_vector` is exact at right
+    angles, where the cosine of a rounded angle is not zero.
     """
     p = algebra.spread(wind.pieces, shape)
     # The cosine is half the sum of exponentials with the rates +j rates and -j rates, which are

@@ -304,7 +304,7 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     transforms = np.empty(filled.shape, dtype=np.result_type(filled, winds[1]))
     knots = transforms.size * winds[0].shape[-1]
     work = (winds, which, np.ascontiguousarray(filled), transforms)
-    # the constants are the seconds per breakpoint, in plain Python and as machine code
+    # estimated run time, which decides between compiled and plain code
     run(onset_integrals, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
     with np.errstate(invalid="ignore"):
         demands = -strength * (transforms if np.iscomplexobj(filled) else np.real(transforms))
@@ -321,7 +321,7 @@ def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> Floa
     reaches = np.empty(fast.size)  # written by the kernel
     columns = [np.require(values, float, ["C", "W"]) for values in (fast, slow, ratio)]
     count = reaches.size
-    # the constants are the seconds per case, in plain Python and as machine code
+    # estimated run time, which decides between compiled and plain code
     run(minimum_reaches, (*columns, reaches), count, REACH_PLAIN * count, REACH_COMPILED * count)
     return reaches
 

@@ -588,7 +588,9 @@ def steady_drift(autopilot: Feedback, plant: Plant) -> float | FloatArray:
     With w = C2/mu_alpha, zero in the model "drift", and k = B - b0 - g V (b1 - b2),
     gamma/alpha_w = ((k - a0) (b1 - b2)/(b1 + w) - k)/(a0 + d1 V + (k - a0) w/(b1 + w)); with an
     integral of the attitude -(b1 - b2)/b1. Gains: a0 on attitude, b0 on angle of attack, d1 on
-    drift rate, g on acceleration; gamma' = b1 delta/B + b2 alpha_w in the drift model.
+    drift rate, g on acceleration. B is the ratio of trim deflection to angle of attack, C2 the
+    constant term [1/s^3] of the denominator of (B7), and mu_alpha beta^2 [1/s^2]; b1 and b2 [1/s]
+    give the path, gamma' = b1 delta/B + b2 alpha_w in the drift model, and V is the speed.
 
     Examples
     --------

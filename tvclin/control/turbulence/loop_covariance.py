@@ -118,9 +118,9 @@ class GaussianOutputs(Shown):
         return mean_absolute(self._mean_of(row, direct), self._deviation_of(row))
 
     def _crossing_rates(self, limit: float, output: str) -> FloatArray:
-        """Return an output's expected crossings [1/s] of +limit up and -limit down, ``(n,)``.
+        """Return an output's expected crossings [1/s] at each of n times, ``(n,)``.
 
-        `limit`: in the SI unit of the output.
+        Crossings of +limit up and of -limit down add. `limit`: in the SI unit of the output.
         """
         bound = number("limit", limit, positive)
         (row, direct), (rate_row, rate_direct) = self._row(output), self._rate(output)

@@ -339,7 +339,8 @@ class Campaign(Case):
     def plane_campaigns(self) -> dict[str, Self]:
         """Campaigns by plane, for planes with wind; this campaign itself without a limit shape.
 
-        `InputError` for a wind without a component in `plane`.
+        Each has the limit of one plane, without the shape of both. `InputError` for a wind without
+        a component in `plane`.
         """
         if self.nozzle.limit_shape is None or not isinstance(self.wind, ShapedWind):
             return {self.plane: self}

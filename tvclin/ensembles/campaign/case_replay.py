@@ -81,7 +81,7 @@ class Replay:
 
         It is in the plane of the campaign; its sign opposes the wind.
         """
-        return self._required("")
+        return self._required("")  # empty: the campaign's plane
 
     def _required(self, plane: str) -> float:
         """Return the required deflection [rad] in a plane, signed, at nominal dynamic pressure.

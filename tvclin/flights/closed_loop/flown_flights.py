@@ -270,7 +270,7 @@ def flown_in_winds(
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
-    with repeated(SIMILAR_RUNS):  # so many are worth compiled kernels
+    with repeated(SIMILAR_RUNS):  # similar runs, which decide between compiled and plain code
         finish(f, batch.laws)
         rings = unstable_loops(batch, f)
     return flown_cases(f, np.ones(limit.size, bool), rings), f

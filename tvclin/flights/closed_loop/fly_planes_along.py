@@ -71,7 +71,8 @@ def fly_planes_along(
     rate_limit : float
         Largest deflection rate [rad/s] of each plane.
     sign : {"frozen"}, optional
-        The nominal dynamic pressure; by default that encountered in the wind of both planes.
+        "frozen" for the nominal dynamic pressure, the same for either sign of the wind; by default
+        that encountered in the wind of both planes.
 
     Returns
     -------
@@ -88,8 +89,9 @@ def fly_planes_along(
     -----
     A demand outside the limit shape keeps its direction; in a rectangle along the planes, such as
     "square" and "round-each-plane", each plane is limited separately. Delay, actuator and rate
-    limit act on each plane. Where the nozzle overshoots the shape at a sample by that, its limit
-    in the vector is not modelled, and the flight is not known to survive.
+    limit act on each plane, so that the deflection vector may leave the shape at a sample though
+    all demands are inside. A stop of the nozzle at the shape is not modelled, and such a flight is
+    not known to survive.
 
     Each plane is judged after its wind with the largest deflection in it, so that what is lost is
     lost with every control. Limit cycles are looked for with the square within the shape.
@@ -168,7 +170,7 @@ def _flight_in_planes(
     normals = np.zeros((1 if by_planes else 0, 2))
     if isinstance(shape, PolygonShape) and not by_planes:
         normals = np.column_stack([shape.normals.real, shape.normals.imag])
-    with repeated(SIMILAR_RUNS):  # many such flights pay for compiling the kernel
+    with repeated(SIMILAR_RUNS):  # similar runs, which decide between compiled and plain code
         finish_in_planes(flights[0], flights[1], normals, np.array([limit]))
         for batch, f, inner in zip(batches, flights, separate_limits, strict=True):
             within = f._replace(cases=f.cases._replace(limit=np.array([limit * inner])))

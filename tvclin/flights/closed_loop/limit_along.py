@@ -107,7 +107,7 @@ def limit_of_flight(
         return fly_together([along], which, limits, np.full(limits.size, rate_limit)).status
 
     low, high = (min(end * scale, MAX_DEFLECTION_LIMIT) for end in (_LOWEST, top))
-    with repeated(1 + LEVELS):  # so many are worth compiled kernels
+    with repeated(1 + LEVELS):  # similar runs, which decide between compiled and plain code
         return limit_above_losses(survives, np.linspace(low, high, STEPS + 1))
 
 

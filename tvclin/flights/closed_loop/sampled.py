@@ -55,7 +55,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
         return
     cases = f.cases.limit.size
     samples, first = float(_minimum_samples(f).sum()), 0
-    seconds = samples * kernel.PLAIN
+    seconds = samples * kernel.PLAIN  # estimated run time: decides between compiled and plain code
     with np.errstate(all="ignore"):  # a lost flight may overflow
         fly = choice.fastest(kernel.fly, seconds)
         plain = f if fly is not kernel.fly else _with_law_list(f)
@@ -65,7 +65,7 @@ def finish(f: Flights, laws: LawBatch) -> None:
             fly, first = choice.fastest_uncounted(kernel.fly, perf_counter() - start), first + 1
     if first < cases:
         compact = _with_law_array(f)
-        work = samples * kernel.COMPILED
+        work = samples * kernel.COMPILED  # estimated run time [s], for the number of threads
         in_slices(lambda a, b: fly(compact, first + a, first + b), cases - first, work)
 
 
@@ -76,7 +76,7 @@ def finish_in_planes(pitch: Flights, yaw: Flights, normals: FloatArray, limit: F
     ``(k, 2)``; empty for a circle. `limit`: deflection limits [rad], ``(m,)``. Plain Python takes
     the numbers of the laws as a list, machine code as an array.
     """
-    # twice the samples of one plane, of which the time in plain Python is estimated
+    # estimated run time, which decides between compiled and plain code: of both planes' samples
     fly = choice.fastest(
         kernel.fly_in_planes, 2.0 * float(_minimum_samples(pitch).sum()) * kernel.PLAIN
     )
@@ -113,6 +113,7 @@ class Stepper:
 
     def __init__(self, f: Flights) -> None:
         """Choose plain Python or machine code for both kernels, which change `f` in place."""
+        # estimated run time, which decides between compiled and plain code
         seconds = float(_minimum_samples(f).sum()) * kernel.PLAIN
         self._measure = choice.fastest(kernel.measure_flights, seconds)
         compiled = self._measure is not kernel.measure_flights

@@ -122,7 +122,10 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     x, law_states, pending = np.split(np.eye(size), [order, order + law_order])
 
     def per_case(rows: FloatArray) -> FloatArray:
-        """Return the rows of the laws of the k flights, from those of all laws."""
+        """Return the law's rows for each of the k flights, from `rows` of all laws with filters.
+
+        `f.cases.memory` has the index of each flight in them, zero for all if they share a law.
+        """
         return rows[f.cases.memory[cases]]
 
     def spread(rows: FloatArray) -> FloatArray:

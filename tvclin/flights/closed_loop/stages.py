@@ -433,7 +433,10 @@ class Stages:
         blocks = [*plant_blocks(plants, actuator, self.sensors), polynomial_input("wind", terms)]
 
         def at_place(first: int) -> LinearSystem:
-            """Return the plants at the m times of the place in the samples with index `first`."""
+            """Return the plants of the m samples at their time with the index `first` in `places`.
+
+            `count` is m; the batch of `system`, of the `shape`, has all places one after another.
+            """
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
         def at_nodes(loops: LinearSystem) -> LinearSystem:

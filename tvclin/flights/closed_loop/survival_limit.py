@@ -401,7 +401,7 @@ def closed_loop_boundary(
 
         return status_in_all_winds(winds, status, limits.size, tell)
 
-    with repeated(total):  # so many are worth compiled kernels
+    with repeated(total):  # similar runs, which decide between compiled and plain code
         scan = limit_above_losses(status_at, np.linspace(low, high, STEPS + 1))
     # The loop in its linear range, at that limit, on which some laws depend
     at = scan.limit if np.isfinite(scan.limit) else high

@@ -64,9 +64,9 @@ class ControllabilityRatio(Shown):
     @property
     @derived()
     def words(self) -> str:
-        """The ratio against its goal and its limit, in words.
+        """The ratio of available deflection to deflection taken, against goal and limit, in words.
 
-        Where winds are not known at some flight times, `not_sized`, a good ratio says so.
+        Where winds are not known at some flight times, `takes.not_sized`, a good ratio says so.
         """
         defined = " where the winds are known" if self.takes.not_sized else ""
         if self.ratio > GOAL:

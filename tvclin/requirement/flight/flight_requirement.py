@@ -107,10 +107,11 @@ class FlightMode:
     def trim_per_wind(self, t: Any) -> FloatArray:
         """Return B of eq (5) of the report, the ratio of static trim deflection to angle of attack.
 
-        `t`: times [s], of the shape of the result.
+        `t`: times [s], of the shape of the result. In a wind, alpha = -alpha_w, trim is -B alpha_w.
         """
         _, inputs = self.matrices(t)
-        of_deflection, of_wind = inputs[..., 1, 0], inputs[..., 1, 1]  # of the attitude rate
+        # -mu_delta and -mu_alpha, in the row of the attitude rate
+        of_deflection, of_wind = inputs[..., 1, 0], inputs[..., 1, 1]
         return np.asarray(of_wind / of_deflection)
 
     def at(self, t: Any) -> tuple[FloatArray, Any]:

@@ -452,7 +452,8 @@ class SizingRequest:
             """Return the case of a flight time [s] in pulse number k."""
             return self.at(case, time, pulses[k])
 
-        with repeated(result.known.size):  # similar calls: compiled where that pays for all of them
+        # similar runs, which decide between compiled and plain code
+        with repeated(result.known.size):
             return with_directions(result, len(pulses), at, self._mode(case, result))
 
     def _gaps(self, times: FloatArray) -> tuple[str, ...]:

@@ -326,7 +326,8 @@ def size(
             plane=name,
             law=law,
         )
-        with repeated(len(named) * chosen.size):  # so many are worth compiled kernels
+        # similar runs, which decide between compiled and plain code
+        with repeated(len(named) * chosen.size):
             sizings[name] = _plane_sizing(inputs, vehicles, in_plane, varying, count_need)
     sizing = (
         sizings[plane]
