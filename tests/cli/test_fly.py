@@ -69,6 +69,24 @@ def test_the_required_deflection_beside_a_nonlinear_flight_is_of_the_model_of_th
     assert f"required deflection {required:.3f} deg, see study" in printed
 
 
+def test_an_autopilot_requires_the_same_in_a_study_of_any_dead_band(tmp_path):
+    """It has none: its gust is at the worst time for K = 1; the required deflection has its K."""
+    required, file = {}, tmp_path / "s.toml"
+    for K in (0.3, 1.0):
+        file.write_text(
+            f'[study]\nvehicle = "configuration-i"\ndead_band = {K}\n'
+            "[wind]\npeak_deg = 4\nduration_s = 9\n[gust]\npeak_deg = 1.5\nduration_s = 2\n"
+            "[nozzle]\nlimit_deg = 0.8\n[autopilot]\nnatural_frequency_rad_per_s = 1.2\n"
+        )
+        study = json.loads(CliRunner().invoke(app, ["study", str(file), "--json"]).stdout)
+        autopilot = next(x for x in study["questions"] if x["name"] == "autopilot")
+        required[K], flown = autopilot["measure"]["required"], document(file)
+        assert flown["autopilot_requirement_deg"] == pytest.approx(required[K], rel=1e-12)
+        ideal = study["verdict"]["required_deflection_deg"]
+        assert flown["required_deflection_deg"] == pytest.approx(ideal, rel=1e-12)
+    assert required[0.3] == pytest.approx(required[1.0], rel=1e-12)
+
+
 @pytest.mark.parametrize("engine", usual(["planar", "sixdof"], 0))
 def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_end(
     engine, tmp_path

@@ -99,7 +99,8 @@ class Compared:
     @cached_property
     def required(self) -> CaseRequirement | None:
         """The required deflection of a study of the plan that is flown."""
-        return study_requirement(self.flying.study_plan, chosen(self.flying.dead_band, 1.0))
+        plan = self.flying.study_plan
+        return study_requirement(plan, chosen(self.flying.dead_band, plan.dead_band))
 
     @property
     def notes(self) -> tuple[str, ...]:

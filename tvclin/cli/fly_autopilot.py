@@ -253,9 +253,8 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
     requirement, reason = None, "the loop is not stable"
     if compared.margins.stable:
         try:
-            requirement = autopilot_requirement(
-                single_plane_case, case.plant, autopilot, study_requirement(single_plane_case)
-            )
+            need = study_requirement(single_plane_case, case.dead_band)
+            requirement = autopilot_requirement(single_plane_case, case.plant, autopilot, need)
         except InputError as error:
             reason = str(error)
     flight = None
@@ -268,7 +267,7 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
         linear=linear,
         compared=compared,
         worst=_worst(compared, case.wind_in_plane),
-        required=study_requirement(case),
+        required=study_requirement(case, case.dead_band),
         requirement=requirement,
         reason=reason,
         flight=flight,

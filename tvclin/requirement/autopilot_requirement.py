@@ -149,16 +149,20 @@ def autopilot_boundary(
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
     """Return a case at the dynamic pressure encountered at the peak of `size` times its wind.
 
-    `need`: requirement of the case, with the direction of the wind that counts, and the wind with
-    its gust `placed` in time. `InputError` for a plant in state space, which is not known at
-    another pressure, and where the pressure encountered is `unknown`, a text with the reason.
+    `need`: requirement of the case, with the direction of the wind that counts. The gust is at the
+    time at which an autopilot is flown, which has no dead band: of K = 1, if none is given.
+    `InputError` for a plant in state space, which is not known at another pressure, and where the
+    pressure encountered is `unknown`, a text with the reason.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 
     complete = _complete(case)
     if need.unknown:
         raise InputError(need.unknown)
-    ratio = largest_pressure(need.placed, complete.rigid, need.plane, need.direction, size)
+    in_plane = case.wind_in_plane
+    assert isinstance(in_plane, ShapedWind)
+    wind = replace(need.placed, gust_at=in_plane.gust_at)
+    ratio = largest_pressure(wind, complete.rigid, need.plane, need.direction, size)
     return replace(case, vehicle=at_pressure(complete, ratio))
 
 

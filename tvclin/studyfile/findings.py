@@ -260,9 +260,9 @@ def find(
             finally:
                 report(1, 1)
 
-        loop = cache(partial(_loop, plan, study))  # gains for the smallest nozzle take a search
+        loop = cache(partial(_loop, plan))  # gains for the smallest nozzle take a search
         trials = result("trials", partial(_trials, plan, study, loop)) or ()
-        comparison = result("comparison", lambda *_: _comparison(study, loop))
+        comparison = result("comparison", lambda *_: _comparison(plan, loop))
         flexible = result("flexible", lambda *_: _flexible(plan, study, loop))
         flying = flexible or comparison  # the autopilot with its plant, of flights with a limit
         flight = result("flight", partial(_flight, plan))  # sizing, worst total, and turbulence
@@ -368,11 +368,11 @@ def _trials(
     )
 
 
-def _comparison(study: Study, loop: Loop) -> TrimComparison:
-    """Return the autopilot of a loop in the wind of a study, compared with trim and bounds."""
+def _comparison(plan: StudyPlan, loop: Loop) -> TrimComparison:
+    """Return the autopilot of a loop in the wind of a plan, compared with trim and bounds."""
     from tvclin.control.comparison import compare_with_trim
 
-    return compare_with_trim(*loop(), study.history)
+    return compare_with_trim(*loop(), plan.history)
 
 
 def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
@@ -385,7 +385,7 @@ def _flexible(plan: StudyPlan, study: Study, loop: Loop) -> FlexibleAnswer:
     (plant, autopilot), criteria = loop(), plan.margin_criteria
     # share of this plane in a limit of both
     limit = None if plan.nozzle.limit is None else plan.nozzle.limit / study.plane_ratio
-    return flexible_answer(plant, autopilot, criteria, study.history, limit, **plan.hardware)
+    return flexible_answer(plant, autopilot, criteria, plan.history, limit, **plan.hardware)
 
 
 def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMargins:
@@ -397,7 +397,7 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
     from tvclin.control.laws.autopilot_law import SaturatedLaw
     from tvclin.flights.closed_loop.flown_margins import flown_margins
 
-    duration = float(study.history.end - study.history.onset)  # of the wind [s]
+    duration = float(plan.history.end - plan.history.onset)  # of the wind [s]
     samples = duration * plan.hardware["sample_rate"]
     if samples > _MAX_SAMPLES:
         raise InputError(
@@ -405,7 +405,7 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
             f" {samples:.0f}: shorten it"
         )
     law, limit = SaturatedLaw.of(loop.autopilot), limit / study.plane_ratio  # of this plane
-    return flown_margins(loop.plant, law, study.history, limit=limit, **plan.hardware)
+    return flown_margins(loop.plant, law, plan.history, limit=limit, **plan.hardware)
 
 
 def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
@@ -469,14 +469,11 @@ def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:
     return replace(denser, load=plan.load.at_pressure(float(higher / nominal)))
 
 
-def _loop(plan: StudyPlan, study: Study) -> tuple[AnyPlant, Autopilot]:
-    """Return the plant of a plan and its autopilot, whose optimised gains satisfy the criteria.
-
-    `study`: study of the plan, whose wind a rule for the gains may use.
-    """
+def _loop(plan: StudyPlan) -> tuple[AnyPlant, Autopilot]:
+    """Return the plant of a plan and its autopilot, whose optimised gains satisfy the criteria."""
     from tvclin.design.gain_designs import specified_autopilot
 
-    return plan.plant, specified_autopilot(plan, study.history, criteria=plan.margin_criteria)
+    return plan.plant, specified_autopilot(plan, plan.history, criteria=plan.margin_criteria)
 
 
 def _turbulence(
@@ -497,7 +494,7 @@ def _turbulence(
         plan.vehicle,
         plant,
         autopilot,
-        study.history,
+        plan.history,
         limit=plan.nozzle.limit,
         altitude=_altitude(plan) if request.needs_altitude else None,
         load=plan.load,
