@@ -329,7 +329,7 @@ def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     assert result.exit_code == 1
     printed = " ".join(result.stdout.split())
     assert printed.startswith("NOT SURVIVED with 0.400 deg in 1 of 2 winds: 2024-01-02T00,")
-    assert "50.00 % (2.53 to 97.47 %) of 2 winds survived" in printed
+    assert "50.00 % (2.53 to 97.47 %, two-sided 90 %) of 2 winds survived" in printed
     assert max(map(len, result.output.partition("study.toml")[2].splitlines()[1:10])) <= 80
 
 

@@ -9,6 +9,7 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import tvclin as tv
+from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.ensembles.campaign.outputs import column_label
 from tvclin.ensembles.dispersions import DEFAULT_DISPERSIONS, METHODS, draw
@@ -112,6 +113,8 @@ def test_success_is_clopper_and_pearson():
     assert result.estimate == 0.94
     assert result.lower == pytest.approx(stats.beta.ppf(0.05, 47, 4), rel=1e-10)
     assert result.upper == pytest.approx(stats.beta.ppf(0.95, 48, 3), rel=1e-10)
+    said = text(result.line("success"))  # one-sided bounds of quantiles stand beside it
+    assert said == "94.00 % (85.22 to 98.34 %, two-sided 90 %)"
     assert success_probability(230, 230, 0.8).lower == pytest.approx(0.1 ** (1 / 230), rel=1e-10)
 
 

@@ -105,10 +105,11 @@ class Success(Shown):
     confidence: float = field(metadata=spec())
 
     def line(self, name: str) -> Line:
-        """Return the probability and its interval in percent, as a line with that name."""
+        """Return the probability and its two-sided interval [%], as a line with that name."""
         ends = {"": self.estimate, "_lower": self.lower, "_upper": self.upper}
         estimate, lower, upper = (number(name + k, 100.0 * p, 2) for k, p in ends.items())
-        return (*estimate, " % (", *lower, " to ", *upper, " %)")
+        sides = f" %, two-sided {100 * self.confidence:g} %)"
+        return (*estimate, " % (", *lower, " to ", *upper, sides)
 
 
 @dataclass(frozen=True)
