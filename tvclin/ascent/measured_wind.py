@@ -478,7 +478,7 @@ def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
     """
 
     def of_vehicle(vehicle: Vehicle) -> History:
-        """Return the gust as wind angles [rad] of a vehicle."""
+        """Return `gust` as wind angles [rad] of a vehicle, with the peak of the `speed` [m/s]."""
         across = plane if plane == "pitch" else "yaw"
         angle = float(wind_angles.angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
         return gust * (wind_angles.checked_linear(angle) / float(gust.peak))

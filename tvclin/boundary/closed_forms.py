@@ -72,7 +72,7 @@ def solve_with_drift(
     L = _minus_log_R(p)
 
     def residual(z: FloatArray) -> FloatArray:
-        """Return the left side of the equation above at `z` = p y, in its shape."""
+        """Return the left side of the equation of `solve_with_drift` at `z` = p y, in its shape."""
         x = K * z
         return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
 

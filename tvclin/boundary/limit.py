@@ -110,7 +110,7 @@ class ExitProblem:
     def demands_after_trim(
         self, cases: IndexArray, heights: FloatArray, poles: AnyArray
     ) -> AnyArray:
-        """Return the demand of each mode after trim up to a height, normalised by B alpha_w,max.
+        """Return the demand of m modes after trim up to a height, over the trim B alpha_w,max.
 
         `cases`: indices in the flattened batch, ``(n,)``. `heights`: sizes of trim, positive,
         ``(n,)``. `poles`: of the modes [1/s], real or complex, ``(n, m)``. Returned: the constant
@@ -119,7 +119,8 @@ class ExitProblem:
         winds, which, numbers = self._arrays
         # complex if a pole is, or a coefficient of the winds
         demands = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
-        trim_filters = np.ascontiguousarray(numbers[cases, 2:])  # b1, b2 and q of each case
+        # of each case b1, b2 and q of the filter -B (s^2 + b2 s + q)/(s^2 + b1 s + q) to trim
+        trim_filters = np.ascontiguousarray(numbers[cases, 2:])
         work = (trim_filters, np.ascontiguousarray(poles), heights)
         self._run(demands_at_heights, winds, which[cases], *work, demands)
         return demands if np.iscomplexobj(poles) else np.real(demands)

@@ -73,13 +73,13 @@ class _AfterTrim:
     modes: AnyArray
 
     def peaks(self, cases: IndexArray, limits: FloatArray, sufficient: FloatArray) -> FloatArray:
-        """Return the minimum peaks m(L) after trim up to K L, ``(n,)``.
+        """Return the minimum peaks m(L) of n cases after trim up to K L, ``(n,)``.
 
         m(L) is the smallest limit of a deflection that cancels all unstable modes from the time at
         which trim has the size K L; the vehicle diverges where m(L) > L.
 
         `cases`: n indices of cases. `limits`: their L. `sufficient`: deflections returned in place
-        of m(L) where they are proved to be no less. All are normalised by B alpha_w,max.
+        of m(L) where they are proved to be no less. All are normalised by the trim B alpha_w,max.
         """
         poles = self.modes[cases]
         # z: constant deflection that each mode requires by itself after trim up to K L; z over the
@@ -94,7 +94,7 @@ def _iterated(
     """Return the largest limits L that diverge after trim, ``(n,)``, by L <- max(K L, m(L)).
 
     m(L) is the minimum peak after trim up to K L. `after`: the problem. `cases`: n indices in it.
-    `lower`: smallest results. `highest`: starts of the iteration. All over B alpha_w,max.
+    `lower`: smallest results. `highest`: starts of the iteration. All over the trim B alpha_w,max.
     """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)
@@ -130,7 +130,7 @@ def _bisected(
     """
 
     def diverges(which: IndexArray, limits: FloatArray) -> BoolArray:
-        """Return whether each of `limits` ``(c, ...)`` diverges in case `which` ``(c,)``."""
+        """Return whether limits ``(c, ...)`` diverge in c of the `cases` ``(c,)``, by `after`."""
         flat = limits.ravel()
         repeated = np.repeat(cases[which], limits.size // which.size)
         # the minimum peak after trim up to K L, or L itself where that is proved to be sufficient

@@ -143,7 +143,7 @@ class PlanePair:
         It is the constant deflection from `t` on that cancels the excitation of these modes by the
         wind from `t` on.
         """
-        # factors -B K1 p [1/s] from integral to demand, of the fastest modes
+        # from integral to demand, of the fastest modes: -p N_wind(p)/N_deflection(p) [1/s]
         (pitch_factor, *_), (yaw_factor, *_) = self._strengths
         _, (pitch, yaw) = self._remaining_integrals  # of the wind
         return np.asarray(pitch_factor * pitch(t) + 1j * (yaw_factor * yaw(t)))
@@ -270,11 +270,11 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     gauge = _difference_gauge(limit_shape)
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the bound [rad] for a wind between `s` and `T` [s], by the gauge of S - S."""
+        """Return the bound [rad] for the wind of `pair` from `s` to `T` [s], by gauge of S - S."""
         return gauge(pair.demand_between(s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the bound [rad] for a wind between its onset and `T` [s], by the gauge of S."""
+        """Return the bound [rad] for the wind of `pair` from onset to `T` [s], by gauge of S."""
         return limit_shape.gauge(pair.demand_between(np.full((1, 1), onset), T))
 
     grid = two_sided(times[:, np.newaxis], times)

@@ -210,7 +210,10 @@ def _requirement_after_trim(
         """
 
         def excess(t: float) -> float:
-            """Return the gauge of the driver, trim or -B alpha_w, at `t` [s] minus K L [rad]."""
+            """Return the gauge of the driver, trim or -B alpha_w, less K `limit` [rad], at `t` [s].
+
+            The gauge is the limit whose `limit_shape` just contains it; B alpha is trim.
+            """
             return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
         # at the end of the wind without an earlier exit of the dead band

@@ -96,10 +96,10 @@ def stop_boundary(
 ) -> ClosedLoopBoundary:
     """Return the minimum limit of a law in one wind, sought up to `limit` [rad] if none is lower.
 
-    A first scan ends at some multiples of the trim |B alpha_w,max|; only where none of these limits
-    survives and `limit` lies above, a second one goes on to it. `plant`: one plant. `hardware`:
-    actuator, rate limit, delay and sample rate of flights, by name. `InputError` where flights have
-    no boundary, as in an endless wind.
+    A first scan ends at some multiples of B alpha_w,max, static trim; only where none of these
+    limits survives and `limit` lies above, a second one goes on to it. `plant`: one plant.
+    `hardware`: actuator, rate limit, delay and sample rate of flights, by name. `InputError` where
+    flights have no boundary, as in an endless wind.
     """
     boundary = closed_loop_boundary(plant, law, wind, **hardware)
     scanned = float(boundary.scan[-1])

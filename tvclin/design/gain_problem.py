@@ -260,7 +260,7 @@ def _checked_winds(winds: Any) -> tuple[History, ...]:
 
 
 def shortfall(criterion: Criterion, value: Any) -> FloatArray:
-    """Return the relative shortfall of a margin, ``(n,)``; negative where it is satisfied.
+    """Return the relative shortfall of a margin of n loops, ``(n,)``; negative where satisfied.
 
     `criterion`: limit of the margin. `value`: the margin, ``(n,)``, in the unit of the limit.
     """

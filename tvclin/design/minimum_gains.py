@@ -336,7 +336,7 @@ def _cost(
 
 
 def _linear_peaks(problem: GainProblem, points: FloatArray, _goal: float) -> FloatArray:
-    """Return the peak deflections of the linear loop, normalised by the largest trim, ``(n,)``.
+    """Return the peak deflections of n linear loops, normalised by the largest trim, ``(n,)``.
 
     The largest over the winds of the problem, until eight time constants of the fastest unstable
     mode after each, without samples. `points`: gains in the unit box, ``(n, axes)``. `_goal`: not

@@ -171,7 +171,8 @@ def trim_then_hold(
     limit = errors.small_angle("a deflection", errors.nonzero)("limit", limit)
     dead_band = errors.within("dead_band", dead_band, 0.0, 1.0)
     trim = trim_deflection(plant, wind)
-    opposing = -np.sign(np.asarray(plant.coefficients.B) * wind.peak)  # sign of trim: -B alpha_w
+    # sign of trim, -B alpha_w: B is trim deflection per angle of attack
+    opposing = -np.sign(np.asarray(plant.coefficients.B) * wind.peak)
     if np.any(opposing * limit < 0.0):
         raise errors.InputError(
             "limit must oppose the wind, with the sign of -B alpha_w,max; got"
@@ -205,7 +206,10 @@ def exit_time(deflection: History, limit: ArrayLike, dead_band: ArrayLike) -> Fl
     pieces = algebra.spread(relative.pieces, shape)
 
     def excess(t: FloatArray, index: IndexArray) -> FloatArray:
-        """Return deflection/limit - K at times t ``(k,)`` [s] of cases at positions ``(k,)``."""
+        """Return deflection/limit - K at times t [s] of k cases at positions `index`, ``(k,)``.
+
+        `pieces` are of deflection/limit, `level` is K of all cases.
+        """
         values = algebra.value(algebra.take(pieces, index), t[:, np.newaxis])[:, 0]
         return np.real(values) - level.ravel()[index]
 

@@ -218,8 +218,8 @@ class Plant(WithCoefficients):
     def with_effectiveness(self, factor: ArrayLike) -> Plant:
         """Return the plant with control moment and control force multiplied by `factor`.
 
-        Only mu_delta is multiplied: the plant has the force T by d = T/(m V_n) = (b1 - C1) mu_delta
-        /mu_alpha, which is proportional to it. `InputError` for a factor that is not positive.
+        Only mu_delta is multiplied: the thrust T is proportional to it in the plant, by T/(m V_n) =
+        (b1 - C1) mu_delta/mu_alpha of eq (B7). `InputError` for a factor that is not positive.
         """
         c, multiple = self.coefficients, positive("factor", factor)
         with np.errstate(over="ignore"):  # an overflow is refused below

@@ -136,7 +136,7 @@ def responses(
     kernel = choice.fastest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
-        """Compute the outputs of the cases from `begin` up to, not including, `end`."""
+        """Compute the outputs of the cases from `begin` up to, not including, `end`, into `out`."""
         memory = workspace(dtype, plants[2].shape[1:], first, second)
         with np.errstate(all="ignore"):  # overflows are infinite
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)

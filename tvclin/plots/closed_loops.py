@@ -201,7 +201,8 @@ def _wind_curves(
 ) -> Curves:
     """Return the curves [deg] of a response to a wind, with the deflection of trim.
 
-    Trim is -B times the peak of the wind; it is left out where the plant has no coefficients.
+    Trim is -B times the peak of the wind, B being trim deflection per angle of attack; it is
+    omitted where the plant has no coefficients.
 
     `answer`: response to the wind. `plant`: plant with its coefficients. `times`: [s], ``(n,)``.
     `words`: description of the loop.

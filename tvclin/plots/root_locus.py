@@ -231,7 +231,10 @@ class LocusPoles:
         padded = np.pad(above, (below.size - above.size, 0))  # as long as the denominator
 
         def closed(factors: FloatArray) -> AnyArray:
-            """Return closed-loop poles [1/s] at factors ``(n,)`` on the loop gain, ``(n, b)``."""
+            """Return the b closed-loop poles [1/s] at n factors ``(n,)`` on the gain, ``(n, b)``.
+
+            They are roots of d + k n: `below` is d, and `padded` n.
+            """
             return polynomials.roots(below + factors[:, np.newaxis] * padded).astype(complex)
 
         return cls(closed(np.zeros(1))[0], polynomials.roots(above).astype(complex), closed)
@@ -249,7 +252,7 @@ class LocusPoles:
         A, B, C, D = system
 
         def closed(factors: FloatArray) -> AnyArray:
-            """Return closed-loop poles [1/s] at factors ``(n,)`` on the loop gain, ``(n, b)``."""
+            """Return b closed-loop poles [1/s] at each of n factors on the gain, ``(n, b)``."""
             k = factors[:, np.newaxis, np.newaxis]
             return to_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
 

@@ -69,7 +69,7 @@ def vector_requirements(
         return VectorRequirement(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
     if isinstance(limit_shape, CircularShape):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
-    else:  # the gauge of -B times the wind angles of both planes, at the times of its shape
+    else:  # the gauge of static trim, -B times the wind angles of both planes, at all times
         trim = float(limit_shape.gauge(pair.moment_driver(pair.times())).max())
     return VectorRequirement(
         trim=trim,

@@ -100,9 +100,9 @@ class Motion(Protocol):
         """Breakpoints [s] of the equations, in addition to the breakpoints of the wind."""
 
     def judged_at(self, ends: FloatArray) -> FloatArray:
-        """Return the times [s] at which the survival of flights is decided, ``(n,)``.
+        """Return the times [s] at which the survival of n flights is decided, ``(n,)``.
 
-        `ends`: ends of the winds [s], ``(n,)``.
+        `ends`: ends of their winds [s], ``(n,)``.
         """
 
     def at_steps(self, times: FloatArray) -> Equations:
@@ -334,7 +334,7 @@ def _exits(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return minimum peaks [rad] of any control, and limits [rad] and times [s] of exits.
 
-    All are ``(n,)``: the smallest peak of any control from the onset of a wind on, zero where the
+    All are ``(n,)``, of n winds: the smallest peak of any control from the onset on, zero where the
     demand bounds it (one unstable mode); and for `dead_band` K < 1 the limit that is required, and
     the time at which trim leaves the dead band; both zero for K = 1. `trim_and_demand`: curves
     of the deflection of trim, and of the limit that is sufficient when held from then on.
@@ -560,7 +560,9 @@ class SteppedWinds:
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
             end_of_cases = end[cases]
-            if modes.poles.shape[1] == 1:  # a deflection with the sign of p.b reaches the most
+            # `end`: costate p, and control reach, the effect of a unit deflection after the wind:
+            # largest with the sign of p.b, b being the deflection's column
+            if modes.poles.shape[1] == 1:
                 reach = np.broadcast_to(self.equations.absolute_reach, len(path))[cases]
                 end_of_cases = np.append(end_of_cases[:, :-1], reach[:, np.newaxis], axis=-1)
             ratios = None if trim_ratios is None else trim_ratios[cases]
@@ -594,7 +596,7 @@ class SteppedWinds:
         return diverged
 
     def requirement(self, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return the smallest limits [rad] from which on all survive, at least `low`, ``(n,)``.
+        """Return limits [rad] of n winds from which on flights survive, at least `low`, ``(n,)``.
 
         Infinite where flights with `high` [rad] diverge too, with which the law should never be
         limited.
@@ -617,7 +619,7 @@ class SteppedWinds:
         return required
 
     def survive(self, limit: FloatArray, high: FloatArray, bound: FloatArray) -> BoolArray:
-        """Return whether flights survive with limits [rad] and all above, up to `high`, ``(n,)``.
+        """Return whether flights in n winds survive from `limit` to `high` [rad], ``(n,)``.
 
         Limits are tried in relative steps: of `FINE` from `limit` until they exceed a `bound` [rad]
         of what is required, or `limit` itself, by `AHEAD`, and of `STRIDE` from there on.

@@ -93,19 +93,19 @@ class Curves:
 
     @cached_property
     def has_two_signs(self) -> BoolArray:
-        """Whether the winds change sign, ``(n,)``."""
+        """Whether each of the n winds changes its sign, ``(n,)``."""
         low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))
         return np.asarray(np.minimum(-low, high) > _OPPOSITE_FRACTION * np.maximum(-low, high))
 
     @property
     def largest_trim(self) -> FloatArray:
-        """Trim along the path: largest size of the deflection of ideal trim [rad], ``(n,)``."""
+        """Trim along the path: largest size of ideal trim [rad] in each of n winds, ``(n,)``."""
         high, low = self._trim_extremes
         return np.asarray(np.maximum(high, -low))
 
     @property
     def highest_limit(self) -> FloatArray:
-        """A limit [rad] that the ideal trim law never reaches, ``(n,)``.
+        """A limit [rad] that the ideal trim law never reaches in each of n winds, ``(n,)``.
 
         It is above all trim, and above what must be held from the end of the wind on.
         """
@@ -114,11 +114,11 @@ class Curves:
 
     @cached_property
     def _trim_extremes(self) -> tuple[FloatArray, FloatArray]:
-        """Largest and smallest deflection of ideal trim along the path [rad], ``(n,)`` each."""
+        """Largest and smallest deflection of ideal trim [rad] in each of n winds, ``(n,)`` each."""
         return self._largest(1.0), -self._largest(-1.0)
 
     def _largest(self, sign: float) -> FloatArray:
-        """Return the largest trim of a sign [rad], ``(n,)``.
+        """Return the largest trim of a sign [rad] in each of n winds, ``(n,)``.
 
         Of samples, and of vertices of the parabolas through the three samples of each step.
         """
@@ -144,11 +144,12 @@ class Curves:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the largest min(trim, demand) of either sign [rad], and its time [s]: K = 1.
 
-        Both are ``(n,)``. The demand is the limit sufficient when held from then on. The largest is
-        at the begin, the middle or the end of a step, at the vertex of the parabola of trim, or at
-        a crossing of both curves; the last two are searched in steps with a larger demand alone.
-        `paired`: where two unstable modes are a pair, so that trim must never be limited and counts
-        alone, ``(n, S, 3)``. `sign`: sign of the trim that counts, by default either.
+        Both are ``(n,)``, of n winds. The demand is the limit sufficient when held from then on.
+        The largest is at the begin, the middle or the end of a step, at the vertex of the parabola
+        of trim, or at a crossing of both curves; the last two are searched in steps with a larger
+        demand alone. `paired`: where two unstable modes are a pair, so that trim must never be
+        limited and counts alone, ``(n, S, 3)``. `sign`: sign of the trim that counts, by default
+        either.
         """
         lower = smaller(self.trim, self.demand, sign)
         if np.any(paired):
@@ -283,7 +284,7 @@ class Curves:
         return np.where(steps > last_step[:, np.newaxis], np.nan, at_steps)
 
     def is_crossed_twice(self, limit: FloatArray) -> BoolArray:
-        """Return whether trim is above limits [rad] in more than one interval, ``(n,)``."""
+        """Return whether trim exceeds the limits [rad] of n winds in two or more intervals."""
         above = np.abs(self.trim.reshape(len(self.trim), -1)) > limit[:, np.newaxis]
         begins = above[:, 1:] & ~above[:, :-1]  # of intervals, but for one at the first sample
         return np.asarray(above[:, 0] + np.sum(begins, axis=-1) > 1)

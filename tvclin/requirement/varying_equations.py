@@ -102,7 +102,7 @@ class UnstableModes:
 
 
 def sign_changes(nominal: FloatArray) -> BoolArray:
-    """Return whether the aerodynamic moment mu_alpha changes its sign, ``(n,)``.
+    """Return whether the aerodynamic moment mu_alpha of n vehicles changes its sign, ``(n,)``.
 
     `nominal`: equations E = [A b w] at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
     """
@@ -356,7 +356,7 @@ def unstable_end(equations: FloatArray) -> FloatArray:
 
     `equations`: ``(n, m, m + 2)``. The costate p is the left eigenvector of the fastest real
     unstable mode, of length one and with a positive component of the attitude rate; the control
-    reach is p.b over the pole. NaN without such a mode.
+    reach is p.b over the pole, b being the column of the deflection. NaN without such a mode.
     """
     order = equations.shape[-2]
     values, rows = left_eigenvectors(equations[..., :order])  # the fastest first

@@ -198,7 +198,7 @@ class Flight:
     notes: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> FloatArray:
-        """Return the numbers of a column by its name [SI], ``(n,)``."""
+        """Return the numbers of the n rows in a column, by its name [SI], ``(n,)``."""
         return self.columns[name].values
 
     def origin(self, name: str) -> str:

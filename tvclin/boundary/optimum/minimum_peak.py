@@ -314,9 +314,9 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
 def minimum_reach(fast: FloatArray, slow: FloatArray, ratio: FloatArray) -> FloatArray:
     """Return the minimum peak of deflection/B [rad] that brings two real modes to equilibrium.
 
-    ``(n,)``: the limit whose set of recoverable coordinates has the given ones on its edge. `fast`,
-    `slow`: coordinates z of the two unstable modes [rad], ``(n,)`` each. `ratio`: the slow pole
-    over the fast one, in (0, 1), ``(n,)``.
+    Of each of n cases, ``(n,)``: the limit whose recoverable set has the coordinates on its edge.
+    `fast`, `slow`: coordinates z of the two unstable modes [rad], ``(n,)`` each. `ratio`: the slow
+    pole over the fast one, in (0, 1), ``(n,)``. B is trim deflection per angle of attack.
     """
     reaches = np.empty(fast.size)  # written by the kernel
     columns = [np.require(values, float, ["C", "W"]) for values in (fast, slow, ratio)]
@@ -373,10 +373,10 @@ def peaks_for_demands(
 def _is_sufficient(poles: AnyArray, demands: AnyArray, peak: FloatArray) -> BoolArray:
     """Return whether a `peak` [rad] is proved to suffice for a pole p and two others, ``(n,)``.
 
-    `poles` [1/s], `demands` [rad s]: ``(n, 3)``, the real pole p first. Let a constant deflection c
-    act up to T, and the optimal one of the two other poles from then on, whose moment at p is at
-    most peak e^(-p T)/p. That bounds c to an interval. If at both its ends the two other poles
-    require no more than the peak, a c of the interval satisfies all conditions.
+    Of n cases `poles` [1/s], `demands` [rad s]: ``(n, 3)``, the real pole p first. Let a constant
+    deflection c act up to T, and the optimal one of the two other poles from then on, whose moment
+    at p is at most peak e^(-p T)/p. That bounds c to an interval. If at both its ends the two other
+    poles require no more than the peak, a c of the interval satisfies all conditions.
     """
     # first few T with cheap upper bounds of the peak of a pair, then more T with the peak itself
     proved = _proved(poles, demands, peak, _SPANS, _pair_peak_bounds)

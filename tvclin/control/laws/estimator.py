@@ -64,7 +64,7 @@ class WindEstimator(Record):
         s are the estimates q^ of the attitude rate [rad/s] and d^ of gamma + alpha_w [rad], m the
         measurements attitude, its rate q, flight path angle, angle of attack, and deflection. The
         gains on the error q - q^ give it the natural frequency `bandwidth` and a damping of 0.7.
-        `plant`: the model, one plant with mu_alpha other than zero.
+        `plant`: the model, one plant; its aerodynamic moment mu_alpha [1/s^2] is not zero.
         """
         errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
         errors.single("plant", plant.batch)

@@ -320,7 +320,7 @@ class LawInPlanes:
         return self.shape.plane_limits
 
     def demand(self, measured: Vectors, states: Vectors, limit: FloatArray) -> Vectors:
-        """Return the demanded deflections [rad], before the limit, pitch + j yaw, ``(m,)``.
+        """Return the demands [rad] of m flights, before the limit, pitch + j yaw, ``(m,)``.
 
         With a radial limit the scalar law acts along the measured wind and across it, each with the
         limit of the shape in that direction; else in pitch and in yaw.
@@ -348,7 +348,7 @@ class LawInPlanes:
         return np.asarray(direction * demand)
 
     def limited(self, demand: Vectors, limit: FloatArray) -> tuple[Vectors, BoolArray]:
-        """Return the limited demand [rad], pitch + j yaw, and whether it is on the limit, ``(m,)``.
+        """Return the limited demands [rad] of m flights, and whether on the limit, ``(m,)`` each.
 
         With `radial` a demand outside the limit shape keeps its direction; else each plane is
         limited separately, to `plane_limits` times the scale. `demand`: pitch + j yaw [rad],
@@ -366,10 +366,11 @@ class LawInPlanes:
     def _by_components(
         self, measured: Vectors, states: Vectors, limits: list[FloatArray]
     ) -> Vectors:
-        """Return the deflections [rad] of the scalar law in two directions, real + j imaginary.
+        """Return the demands [rad] of the scalar law in two directions, real + j imaginary.
 
-        ``(m,)``. `measured` ``(m, 8)`` and `states` ``(m, k)``: complex, of both directions.
-        `limits`: deflection limits [rad] of the real and of the imaginary direction, ``(m,)`` each.
+        Of m flights, ``(m,)``. `measured` ``(m, 8)`` and `states` ``(m, k)``: complex, of both
+        directions. `limits`: deflection limits [rad] of the real and of the imaginary direction,
+        ``(m,)`` each.
         """
         real, imaginary = (
             np.asarray(self.law.demand(Measurement(*take(measured).T), take(states).T, limit))

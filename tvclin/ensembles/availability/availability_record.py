@@ -120,7 +120,7 @@ class Availability(Tabled):
 
     @property
     def flies(self) -> FloatArray:
-        """Verdicts, ``(n,)``: 1 where the limit is sufficient, 0 where not, NaN if unknown."""
+        """Verdicts on n soundings, ``(n,)``: 1 for a sufficient limit, 0 if not, NaN if unknown."""
         return self._flies(self.limit)
 
     @property

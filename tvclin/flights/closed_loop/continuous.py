@@ -311,7 +311,7 @@ def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the demand at a time `t` [s] is beyond the threshold."""
+        """Return by how much [rad] the demand of the `loop` at `t` [s] is beyond the threshold."""
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
         if regime.mode:  # engaged: the end is below `release`, by a margin against chatter
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
@@ -334,7 +334,7 @@ def _rate_end(loop: Loop, regime: Regime, sign: float) -> End:
         return End(lambda t, x: sign * x[order + 1] - max_rate, max_rate, then)
 
     def pull(t: Any, states: FloatArray) -> Any:
-        """Return the pull at a time `t` [s], positive in the direction of the rate limit."""
+        """Return the pull s' or s'' on the deflection at a time `t` [s], times `sign`."""
         measured = loop.measured(t, states, regime)
         return sign * loop.pull(states, loop.command(states, measured, regime))
 

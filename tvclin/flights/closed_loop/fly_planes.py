@@ -389,7 +389,7 @@ def flown_plane_limit(
     flown = partial(fly_planes, plant, law, wind, sample_rate=sample_rate, **shape, **flight)
 
     def status(limits: FloatArray) -> NDArray[np.str_]:
-        """Return the status of flights with limits over the trim deflection, ``(m,)``."""
+        """Return the status of flights with m limits over trim, ``(m,)``; `scale`: trim [rad]."""
         return flown(deflection_limit=limits * scale).status
 
     limit = limit_above_losses(status, np.linspace(low, high, STEPS + 1))

@@ -396,7 +396,7 @@ def closed_loop_boundary(
         """
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
-            """Return the status in one wind of flights with the limits where `chosen` is true."""
+            """Return the status in one wind of flights with the `chosen` limits over trim."""
             return flight(wind)(np.minimum(limits[chosen] * scale, MAX_DEFLECTION_LIMIT))
 
         return status_in_all_winds(winds, status, limits.size, tell)

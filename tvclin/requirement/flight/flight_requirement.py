@@ -127,8 +127,9 @@ class FlightMode:
     def _costates_and_reaches(self, t: Any) -> FloatArray:
         """Return costate p, control reach R and absolute reach in rows, ``(m + 2,) + t.shape``.
 
-        p and R are those of `at`; the absolute control reach is the integral of ``|p.b|`` from t
-        on. All are integrated backwards to `t` [s] from the next of the times of `_march`.
+        p and R are those of `at`, R the integral of p.b from t on, b being the deflection's column;
+        the absolute control reach is that of ``|p.b|``. All are integrated backwards to `t` [s]
+        from the next of the times of `_march`.
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
         ends, costates = self._march  # times of storage [s], and p with both reaches there
@@ -379,7 +380,11 @@ def _before(costates: FloatArray, matrices: FloatArray) -> FloatArray:
 
 
 def _reverses(reach: FloatArray, absolute_reach: FloatArray) -> BoolArray:
-    """Return whether p.b changes its sign after the times of control reaches, ``(n,)`` each."""
+    """Return whether the effect of a deflection changes its sign after each of n times, ``(n,)``.
+
+    It is p.b, of costate p and deflection column b; its integral from then on is `reach`, and that
+    of its size `absolute_reach`, ``(n,)`` each.
+    """
     return np.abs(reach) < (1.0 - _REACH_ROUNDING) * absolute_reach
 
 
