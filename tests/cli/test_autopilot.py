@@ -499,3 +499,19 @@ def test_a_delay_margin_below_half_a_sample_is_told_where_the_criteria_are_met()
         noted[rate] = any("below half a sample" in note for note in document["notes"])
         assert noted[rate] == (delay < 0.5 / float(rate))
     assert noted == {"10": True, "100": False}
+
+
+@pytest.mark.parametrize("command", ["study", "margins", "report"])
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--set", "autopilot.damping", "0.7"), "design poles needs"),
+        (("--set", "autopilot.design", "lqr", "--set", "autopilot.damping", "0.7"), "takes no"),
+        (("--set", "autopilot.drift_damping", "0.7"), "is of gains by design drift-poles"),
+    ],
+)
+def test_a_rule_without_its_numbers_is_bad_input_in_every_command(command, options, said, tmp_path):
+    page = ("-o", str(tmp_path / "page.html")) if command == "report" else ()
+    result = run(command, "configuration-i", *options, *page)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert said in result.stderr

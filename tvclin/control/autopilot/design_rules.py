@@ -56,6 +56,10 @@ _DRIFT_RULE = ("drift_frequency", "drift_damping")
 _WEIGHTS = ("alpha_weight", "drift_rate_weight", "drift_weight")
 _FURTHER = {**dict.fromkeys(_DRIFT_RULE, DRIFT_POLES), **dict.fromkeys(_WEIGHTS, "lqr")}
 """Further numbers of a rule, and the name of that rule."""
+_POLES = {**dict.fromkeys(POLE_PLACEMENT_RULES, _RULE), DRIFT_POLES: (*_RULE, *_DRIFT_RULE)}
+"""Numbers of the poles of a rule, by its name."""
+_FREQUENCIES = ("natural_frequency", "drift_frequency")
+"""Numbers of poles that have no default."""
 RULE_PARAMETERS = ("design", *_RULE, *_FURTHER)
 RULE_KEYS = (*RULE_PARAMETERS, "crossover")
 GIVEN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
@@ -227,12 +231,17 @@ class AutopilotDesign:
         }
 
     def check_gains(self) -> None:
-        """Raise `InputError` for gains beside a rule, and without gains on both attitude and rate.
+        """Raise `InputError` for gains or a rule that are not complete, or exclude each other.
 
-        It counts gains on attitude, rate and angle of attack; without any of them nothing is
-        checked.
+        They are gains on attitude, rate and angle of attack; without any of them a rule, with its
+        numbers.
         """
+        if self.crossover is not None and self.design != LEAST_NOZZLE:
+            raise errors.InputError(
+                f"crossover is of gains for the minimum deflection: design {LEAST_NOZZLE}"
+            )
         if all(getattr(self, name) is None for name in GIVEN_GAINS):
+            _rule_numbers(self)
             return
         if any(getattr(self, name) is not None for name in RULE_PARAMETERS):
             raise errors.InputError(
@@ -251,10 +260,6 @@ class AutopilotDesign:
         """
         errors.instance("plant", plant, Plant, "see Plant.from_vehicle")
         errors.single("plant", plant.batch)
-        if self.crossover is not None and self.design != LEAST_NOZZLE:
-            raise errors.InputError(
-                f"crossover is of gains for the minimum deflection: design {LEAST_NOZZLE}"
-            )
         if self.schedule is not None:
             raise errors.InputError("a schedule of gains and a notch at a mode need a flight")
         options = self.options(actuator)
@@ -275,58 +280,57 @@ AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, words=("schedule",)
 def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> Autopilot:
     """Return the autopilot of a design rule for a plant, with further arguments of `Autopilot`.
 
-    `design`: name and numbers of the rule; without a name it is "poles" if a frequency or damping
-    is specified, else "canonical". `options`: actuator, delay, filters, sample rate, and gains that
-    are added. `InputError` for a rule with too few numbers or too many.
+    `design`: name and numbers of the rule. `options`: actuator, delay, filters, sample rate, and
+    gains that are added. `InputError` for a rule that needs a wind, and as `_rule_numbers`.
     """
-    natural_frequency, damping = design.natural_frequency, design.damping
-    has_poles = natural_frequency is not None or damping is not None
-    rule = errors.one_of(
-        "design", design.design or ("poles" if has_poles else "canonical"), DESIGNS
-    )
+    rule, numbers = _rule_numbers(design)
     if rule == LEAST_NOZZLE:
         raise errors.InputError(
             f"design {LEAST_NOZZLE} needs a wind: tvclin design and study files have one; in"
             " Python see minimum_deflection_gains"
         )
-    further = _further_numbers(design, rule, options)  # of the drift, or weights
-    if rule in _OTHER_RULES:  # canonical, half-relief and lqr
-        if has_poles:
-            raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
-        return _OTHER_RULES[rule](plant, **further, **options)
-    if natural_frequency is None:
-        raise errors.InputError(f"design {rule} needs natural_frequency, in rad/s")
-    damping = _DEFAULT_DAMPING if damping is None else damping
-    poles = {"natural_frequency": natural_frequency, "damping": damping}
+    for name in _designed_drift_gains(rule, numbers):
+        del options[name]
     if rule == DRIFT_POLES:
-        if "drift_frequency" not in further:
-            raise errors.InputError(f"design {rule} needs drift_frequency, in rad/s")
-        return drift_gains(
-            plant, **poles, **{"drift_damping": _DEFAULT_DAMPING} | further, **options
-        )
-    return POLE_PLACEMENT_RULES[rule](plant.coefficients, **poles, **options)
+        return drift_gains(plant, **numbers, **options)
+    if rule in _OTHER_RULES:  # canonical, half-relief and lqr
+        return _OTHER_RULES[rule](plant, **numbers, **options)
+    return POLE_PLACEMENT_RULES[rule](plant.coefficients, **numbers, **options)
 
 
-def _further_numbers(
-    design: AutopilotDesign, rule: str, options: dict[str, Any]
-) -> dict[str, float]:
-    """Return the further numbers of a rule, by the names of its arguments.
+def _rule_numbers(design: AutopilotDesign) -> tuple[str, dict[str, float]]:
+    """Return the name of the rule of a design, and its numbers by the names of its arguments.
 
-    These are frequency and damping of the drift for drift-poles, and weights for lqr. `design`:
-    specification. `rule`: name of the rule. `options`: arguments of `Autopilot`, from which the
-    gains that the rule designs are removed. `InputError` for numbers of another rule, and for a
-    gain in `options` that this rule designs.
+    Without a name the rule is "poles" if a frequency or damping is specified, else "canonical". Its
+    numbers are natural frequencies [rad/s], damping ratios, and weights. `InputError` for a rule
+    with too few numbers or too many, and for a gain of the design that the rule determines.
     """
-    numbers = {name: getattr(design, name) for name in _FURTHER}
-    numbers = {name: value for name, value in numbers.items() if value is not None}
+    values = {name: getattr(design, name) for name in (*_RULE, *_FURTHER)}
+    numbers = {name: value for name, value in values.items() if value is not None}
+    has_poles = any(name in numbers for name in _RULE)
+    default = "poles" if has_poles else "canonical"
+    rule = errors.one_of("design", design.design or default, DESIGNS)
     for name in numbers:
-        if _FURTHER[name] != rule:  # the rule that has this number
+        if _FURTHER.get(name, rule) != rule:  # the rule that has this number
             raise errors.InputError(
                 f"{name} is of gains by design {_FURTHER[name]}; got design {rule}"
             )
-    # drift-poles, and lqr with a weight on the drift, design both gains of the drift
-    if rule == DRIFT_POLES or numbers.get("drift_weight") or numbers.get("drift_rate_weight"):
-        for name in ("drift_rate_gain", "drift_gain"):
-            if options.pop(name):
-                raise errors.InputError(f"{name} follows from design {rule}; leave it out")
-    return numbers
+    for name in _designed_drift_gains(rule, numbers):
+        if getattr(design, name):
+            raise errors.InputError(f"{name} follows from design {rule}; leave it out")
+    if rule in _OTHER_RULES and has_poles:
+        raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
+    for name in _POLES.get(rule, ()):
+        if name not in numbers and name in _FREQUENCIES:
+            raise errors.InputError(f"design {rule} needs {name}, in rad/s")
+        numbers.setdefault(name, _DEFAULT_DAMPING)
+    return rule, numbers
+
+
+def _designed_drift_gains(rule: str, numbers: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the names of the gains of the drift that a rule with these numbers determines.
+
+    They are both gains, of drift-poles, and of lqr with a weight on the drift; else none.
+    """
+    weighted = numbers.get("drift_rate_weight") or numbers.get("drift_weight")
+    return ("drift_rate_gain", "drift_gain") if rule == DRIFT_POLES or weighted else ()
