@@ -847,7 +847,7 @@ def doors(folder: Path) -> dict[str, Door]:
                 "step": 5.0,
             },
         ),
-        "FlightSchedule.clamped_at": Door(schedule.clamped_at, {"time": 66.0}),
+        "FlightSchedule.clamped_at": Door(schedule.clamped_at, {"time": 66.0, "rigid": True}),
         "FlightSchedule.plants": Door(
             schedule.plants, {"time": 66.0, "model": "drift", "plane": "yaw"}
         ),

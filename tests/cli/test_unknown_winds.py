@@ -85,6 +85,7 @@ def test_dispersed_vehicles_are_not_known_to_survive_a_sounding_with_gaps(winds,
     assert found["statuses"] == {"wind not known throughout, counted as not survived": 20}
 
 
+@pytest.mark.thorough
 def test_flown_margins_in_a_sounding_with_gaps_say_that_survival_is_not_known(winds):
     for name, unknown in (("known", False), ("with gaps", True)):
         _, found = answer(winds, name, "margins --natural-frequency 1", 0.7)

@@ -286,6 +286,7 @@ def write_sounding(file, speed, top=40000, distance=1000):
     file.write_text(text, encoding="utf-8")
 
 
+@pytest.mark.thorough
 def test_a_flight_through_gaps_of_a_sounding_is_not_known_to_survive(folder, tmp_path) -> None:
     """In one plane and in both; a limit too small stays so."""
     winds = tmp_path / "jet.csv"

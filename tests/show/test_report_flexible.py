@@ -158,7 +158,7 @@ def test_the_whole_page_holds_the_section_and_what_went_in(page):
 def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
     sought, seek = [], gain_designs.specified_autopilot
     monkeypatch.setattr(
-        gain_designs, "specified_autopilot", lambda *a: sought.append(a) or seek(*a)
+        gain_designs, "specified_autopilot", lambda *a, **k: sought.append(a) or seek(*a, **k)
     )
     findings = find(replace(plan, nozzle=tv.Nozzle()))
     assert len(sought) == 1

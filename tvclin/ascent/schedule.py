@@ -170,14 +170,19 @@ class FlightSchedule(Shown):
             )
         return self.clamped_at(times)
 
-    def clamped_at(self, time: ArrayLike) -> Vehicle:
-        """Return the vehicle at any time [s], constant outside the schedule."""
+    def clamped_at(self, time: ArrayLike, *, rigid: bool = False) -> Vehicle:
+        """Return the vehicle at any time [s], constant outside the schedule.
+
+        `rigid`: whether its structure is left out, whose interpolation takes most of the time.
+        """
         times = errors.finite("time", time, "s")
         numbers = {
             name: np.interp(times, self.times, values) if np.ndim(values) else values
             for name, values in _numbers(self.vehicle).items()
         }
-        if self.structure is not None:
+        if errors.flag("rigid", rigid):
+            numbers["structure"] = None
+        elif self.structure is not None:
             numbers["structure"] = self.structure.at(times)
         return self.vehicle.replace(**numbers, time=times)
 
@@ -188,7 +193,7 @@ class FlightSchedule(Shown):
         trim deflection to angle of attack, is at least `_MIN_B` in size: where the air has a
         smaller moment, its arm is made longer, and a normal force of nearly zero larger.
         """
-        v = self.clamped_at(time).rigid
+        v = self.clamped_at(time, rigid=True)
         # B = N l_a/(T l_c): normal force slope and aerodynamic arm, control force and control arm
         smallest = _MIN_B * np.asarray(v.control_force)
         force = np.maximum(v.normal_force_slope, smallest)

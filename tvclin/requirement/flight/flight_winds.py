@@ -350,7 +350,7 @@ def _largest(
     breakpoints = np.concatenate([schedule.times, *samples])
     even = np.linspace(low, high, _TIMES_PER_INTERVAL)
     t = np.unique(np.concatenate([even, breakpoints[(breakpoints > low) & (breakpoints < high)]]))
-    vehicles = schedule.clamped_at(t)
+    vehicles = schedule.clamped_at(t, rigid=True)
     B = {plane: np.asarray(Coefficients.from_vehicle(vehicles, plane).B) for plane in planes}
     by_plane = [
         B[plane] * (0.0 if history is None else history(t)) + np.zeros(t.shape)

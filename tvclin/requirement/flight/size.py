@@ -642,7 +642,7 @@ def _change(schedule: FlightSchedule, plane: str, vehicle: Vehicle, wind: Placed
         return 0.0 if wind.known else np.nan
     times = np.linspace(*wind.span, _TIMES_IN_WIND)
     now = Coefficients.from_vehicle(vehicle, plane)
-    then = Coefficients.from_vehicle(schedule.clamped_at(times), plane)
+    then = Coefficients.from_vehicle(schedule.clamped_at(times, rigid=True), plane)
     beta_now, beta = (np.sqrt(np.abs(c.mu_alpha)) for c in (now, then))
     pairs = (beta_now, beta), (np.asarray(now.B), np.asarray(then.B))
     with np.errstate(divide="ignore", invalid="ignore"):
