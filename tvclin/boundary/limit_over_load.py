@@ -146,7 +146,7 @@ class LoadTradeOff(TradeOff):
     @property
     @derived("degrees", label="a degree buys", digits=2, card=False, document=False)
     def load_per_degree(self) -> FloatArray:
-        """Decrease of the load per increase of the limit, ``(n,)``; NaN where it has none."""
+        """Decrease of the load per increase of the limit at n loads; NaN where it has none."""
         return 1.0 / np.where(self.slopes > 0.0, self.slopes, np.nan)
 
     @property

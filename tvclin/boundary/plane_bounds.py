@@ -508,10 +508,10 @@ class _Moments:
 def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certificate]:
     """Return times [s], deflections [rad] and certificate of the minimum, by cutting planes.
 
-    `moments`: the conditions in cells. `onset`: start of the control [s]. It solves l . d -> max,
-    N(l) <= 1 (Kelley 1960). N(l) is the largest l . m of the moments m of any deflection v within
-    S, the limit shape, attained by the v furthest along l at each time. For the v_i of earlier
-    steps a small linear program solves
+    `moments`: the conditions in cells, with the demands d of the poles. `onset`: start of the
+    control [s]. It solves l . d -> max, N(l) <= 1 (Kelley 1960). N(l) is the largest l . m of the
+    moments m of any deflection v within S, the limit shape, attained by the v furthest along l at
+    each time. For the v_i of earlier steps a small linear program solves
 
         max of l . d with l . m_i <= 1   =   min of sum w_i with sum w_i m_i = d, w >= 0
 

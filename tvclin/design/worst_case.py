@@ -301,7 +301,7 @@ class _Case:
         return replace(a, **changes)
 
     def margin(self, name: str, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Return a margin of loops, ``(n,)``, zero where a loop is unstable.
+        """Return a margin of n loops, ``(n,)``, zero where a loop is unstable.
 
         `name`: its name in `Margins`. `values`: numbers other than nominal [SI], ``(n,)`` by name.
         `analyses` keeps the margins of these numbers, for other margins of the same loops.
@@ -313,7 +313,7 @@ class _Case:
         return np.nan_to_num(margins, nan=0.0, posinf=np.inf)
 
     def deflection(self, dead_band: float, values: Mapping[str, FloatArray]) -> FloatArray:
-        """Return minus the required deflection [rad], ``(n,)``; -inf in winds beyond linearity.
+        """Return minus the required deflections [rad] of n cases; -inf in winds beyond linearity.
 
         With the sign of a margin: the smallest is the worst. `dead_band`: K. `values`: numbers
         other than nominal [SI], ``(n,)`` by name.

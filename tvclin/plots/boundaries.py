@@ -196,7 +196,7 @@ def study_chart(study: Study, durations: ArrayLike | None = None) -> ControlPlot
     axes.axvline(chosen, color=INK, lw=1.0)
     sign = study.direction
     needs = "required, both planes" if study.judges_both_planes else "required"
-    needs += "" if sign == FROZEN else f", {sign} wind"
+    needs += "" if sign == FROZEN else f", {sign} wind"  # frozen: at nominal dynamic pressure
     axes.plot(chosen, np.degrees(study.required_deflection), "o", color=INK, label=needs)
     trim = float(np.degrees(study.trim_deflection))
     axes.axhline(trim, color="0.4", lw=1.0, ls=":", label="trim, no drift")

@@ -87,8 +87,8 @@ def along_the_path(need: CaseRequirement) -> Iterator[str]:
     """Yield notes on the direction of a wind, and on its change of the dynamic pressure.
 
     Large head winds turn the path, on which the pressure encountered rests; a sign is not counted
-    in a cross wind; in the pitch plane the change of the pressure may not have been computed.
-    `need`: requirement of the wind of the study.
+    in a cross wind; in the pitch plane the change of the pressure may not have been computed: not
+    with the sign `FROZEN`. `need`: requirement of the wind of the study.
     """
     wind, peak = need.history, abs(float(need.history.peak))
     size = peak**2 * float(wind.end - wind.onset)  # [rad^2 s]

@@ -340,7 +340,7 @@ def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatA
 
 
 def _new_heights(trim: FloatArray) -> BoolArray:
-    """Return whether trim ``(n, k)``, over k times, is at a new maximum, above zero.
+    """Return whether trim ``(n, k)`` of n winds at k times is at a new maximum, above zero.
 
     A tolerance of rounding counts a value equal to the maximum before as new.
     """

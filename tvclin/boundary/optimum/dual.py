@@ -51,7 +51,7 @@ _GRID_REFINEMENTS = 4
 def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the deflection of minimum peak that is constant in each cell, and its multipliers.
 
-    `constraints`: conditions on the moments. `cells`: breakpoints [s] of the cells, ``(k + 1,)``;
+    `constraints`: n conditions on the moments. `cells`: breakpoints [s] of k cells, ``(k + 1,)``;
     the last may be infinite. Returned: levels in [-1, 1], the deflection normalised by its peak,
     ``(k,)``, and the multipliers (prices of the conditions), ``(n,)``, not scaled.
 
@@ -184,7 +184,8 @@ def split_cells(cells: FloatArray, uncertain: IndexArray) -> FloatArray:
 def best_multipliers(window: Window) -> SignedSum:
     """Return the sum lambda . e whose sign is the optimal deflection, its L1 norm being the peak.
 
-    `window`: the poles' exponentials e_i, and their demands d_i, which must not all be zero.
+    `window`: the poles' exponentials e_i, and their demands d_i, which the integrals of e_i times
+    the deflection must equal, not all zero.
 
     Where a real pole p is so fast that the others count only after p t = 700, their multipliers
     cannot be distinguished from zero. The influence of the fast pole on the peak has then ended
@@ -218,7 +219,7 @@ def _with_last_switch(window: Window) -> SignedSum | None:
     These require the peak, and the switch serves the slowest real pole: the sum is optimal if the
     switch is so late that it does not change their moments; the caller checks that. None if
     the slowest pole is complex, the faster ones demand nothing, or no such switch exists. `window`:
-    the poles' exponentials e_i, and their demands d_i.
+    the poles' exponentials e_i, and demands d_i of their integrals times the deflection.
     """
     c = window.constraints
     # index of the slowest pole, and of its condition, which differ after complex pairs
@@ -273,7 +274,8 @@ def _from_grid(window: Window) -> SignedSum:
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
     """Return the sum of each of `guesses`, multipliers ``(n,)``, at its best scale and sign.
 
-    `window`: the poles' exponentials e_i, their `sizes`, and their demands d_i. The dual value
+    `window`: the n exponentials e_i of the poles, their `sizes`, and the demands d_i, which their
+    integrals times the deflection must equal. The dual value
     lambda . d over the L1 norm of the sum, a bound of the peak, does not depend on the scale of
     the multipliers lambda; the scale is that at which the L1 norm is equal to it. The sums ascend
     by residual, not by the dual value, which does not change with very small multipliers.
@@ -334,7 +336,8 @@ def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedS
 def _newton_step(current: SignedSum) -> FloatArray:
     """Return the Newton step ``(n,)`` of the multipliers lambda of the sum `current`, lambda . e.
 
-    e: the exponentials of the poles, d: their demands, t_j: the zeros of the sum. It minimises
+    e: the n exponentials of the poles, d: what their integrals times the deflection must equal
+    (demands), t_j: the zeros of the sum. It minimises
     L1^2/2 - lambda . d with the L1 norm of the sum, whose gradient is L1 m - d with the moments m
     of the sign.
     """

@@ -127,9 +127,10 @@ class Constraints:
 
 
 def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> Constraints:
-    """Return the conditions of `poles` [1/s] ``(m,)``, one per conjugate pair, with their demands.
+    """Return the conditions of m `poles` p [1/s], ``(m,)``, one per conjugate pair.
 
-    `demands`: d [rad s] of each pole, ``(m,)``, complex for a pair. `horizon`: time [s] after which
+    `demands`: what the integral of e^(-p t) times the deflection must be [rad s], ``(m,)``, complex
+    for a pair. `horizon`: time [s] after which
     the deflection is zero; infinite if never.
     """
     without_demands = Constraints(poles, np.zeros(0), horizon)  # knows which poles are pairs

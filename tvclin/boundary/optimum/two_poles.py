@@ -79,7 +79,8 @@ def switch_variable(y: float, ratio: float) -> float:
     """Return x = e^(-beta2 t_s) in [0, 1], t_s being the switch time, by eq (C6) of the report.
 
     `y`: beta1 D1/(beta2 D2), of any sign and size, of slow pole beta1, fast pole beta2 [1/s] and
-    demands D1 and D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, between 0 and 1.
+    demands D1, D2 [rad s], the integrals of e^(-beta_i t) times the deflection by eq (C1). `ratio`:
+    r = beta1/beta2, between 0 and 1.
 
     2 x^r - 2 x y = 1 - y. At y = 1 it is x = 0: there is no switch.
 

@@ -178,10 +178,11 @@ class PlaneMarch:
     ) -> FloatArray:
         """Return the largest min(trim, demand) [rad] of n winds at their levels, ``(n,)``.
 
-        Levels are the times of `winds`, most of which lie within a step. Trim is -B q/q_n alpha_w
-        there, and what balances drift, which is linear between the ends of steps. Where two
-        unstable modes are a pair, trim alone counts. `march`: trim and demand over the steps.
-        `stepped`: wind angles and q/q_n over the steps.
+        Levels are the times of `winds`, most of which lie within a step. The demand is the limit
+        sufficient when held from then on; trim is -B q/q_n alpha_w, B q/q_n per angle of attack,
+        and what balances drift, which is linear between the ends of steps. Where two unstable modes
+        are a pair, trim alone counts. `march`: trim and demand over the steps. `stepped`: wind
+        angles and q/q_n over the steps.
         """
         steps, equations = self._steps  # begin, middle and end of S steps, (1, S, 3)
         # row of the angular acceleration in [A b w], whose last columns are deflection and wind
@@ -271,7 +272,7 @@ class MarchedWinds:
     bounds: Bounds
 
     def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:
-        """Return whether limits [rad] must be flown, and whether they are insufficient, ``(n,)``.
+        """Return whether n limits [rad] must be flown, and whether they are insufficient, ``(n,)``.
 
         A limit below the lowest with which a flight may survive is insufficient, one above the
         upper bound sufficient; between, flights decide. `limit`: a limit for each wind, ``(n,)``.

@@ -344,7 +344,8 @@ def _winds_along(
 
     `flight`: dispersed flight of the case. `wind`: its wind in the plane of the campaign [rad].
     `values`: its dispersed values by name, with the index of a sounding under "wind". A sounding
-    and a history over flight time have one direction, a pulse may be a head and a tail wind.
+    and a history over flight time have one direction, a pulse may be a head and a tail wind. The
+    sign `FROZEN` stands for the nominal dynamic pressure, by request.
     """
     plane, sign = campaign.plane, campaign.sign
     if isinstance(campaign.wind, SoundingEnsemble):
@@ -485,7 +486,7 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
 
 
 def _or_nominal(required: FloatArray | None, nominal: FloatArray) -> FloatArray:
-    """Return required deflections [rad], ``(n,)``, with the zero and infinite ones of `nominal`.
+    """Return required deflections [rad] of n cases, zero and infinity from `nominal`, ``(n,)``.
 
     `required`: those at the dynamic pressure encountered, ``(n,)``; None for the nominal one.
     `nominal`: those at nominal dynamic pressure, ``(n,)``.

@@ -455,8 +455,9 @@ def _cases(
     Matrices and states of the law are the same at all samples: a stage, a memory. The second result
     is rows of noise of measured attitude rates [rad/s]. A flight is judged every
     `JUDGED_SAMPLES` samples, so that the time of waiting is a multiple of them. `judges`: outcome
-    criteria of the different plants, with times [s] of settling and waiting, NaN in `reach` where
-    flights have no outcome. `criteria_index`: index in `judges` of each of p vehicles, ``(p,)``.
+    criteria of the different plants, with times [s] of settling and waiting; `reach`, the largest
+    unstable coordinate that a unit limit recovers, is NaN where flights have no outcome.
+    `criteria_index`: index in `judges` of each of p vehicles, ``(p,)``.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
     h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]  # sample periods [s], (m,)

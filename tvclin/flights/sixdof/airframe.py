@@ -162,7 +162,10 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
     (north, east, _), cosine, right = velocities, cos(heading), sin(heading)
 
     def angles() -> tuple[float, float]:
-        """Return the yaw angle and the heading of the path [rad], from the vertical plane."""
+        """Return yaw angle and heading of the path [rad], from the vertical plane of the `heading`.
+
+        `cosine` and `right`: components of the direction of that plane to north and to east.
+        """
         across = east() * cosine - north() * right
         return asin(cos(theta()) * sin(psi() - heading)), asin(across / ground_speed())
 

@@ -102,7 +102,8 @@ class TrimThenHold:
 
         Trim is followed in 128 parts of the step up to the switch, where it reaches K times the
         limit (`_level`), and the limit after it, which is kept for all later steps. `k`: number of
-        the step. `without_wind`: angle of attack [rad] without the wind, the demand over B.
+        the step. `without_wind`: angle of attack [rad] without the wind; B, the ratio of trim
+        deflection to angle of attack, makes the demand of it.
         """
         fraction = np.linspace(-0.5, 0.5, _SWITCH_PARTS + 1)  # of the step, from its middle
         trim = self._B * (without_wind - self._wind(self._times[k] + fraction * self._step))

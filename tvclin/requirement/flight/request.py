@@ -320,7 +320,7 @@ class SizingRequest:
 
         It is of the largest dead band; with varying parameters if these are known wherever frozen
         ones are; at the dynamic pressure encountered in a wind of direction `sign`, by default the
-        possible direction that requires most.
+        possible direction that requires most, and with `FROZEN` at the nominal one.
         """
         if self.count is not None:
             return requirement_among("count", self.count, sizing.required)

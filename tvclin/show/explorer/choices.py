@@ -341,7 +341,7 @@ def idle_controls(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, 
         "stop": not both_planes and f"counts only in the plane {BOTH}",
         "direction": both_planes and "both planes need a direction",
         "heading": not slanting and "counts only with a wind from a direction",
-        "sign": v["sign"] != FROZEN
+        "sign": v["sign"] != FROZEN  # the nominal dynamic pressure has an effect in any wind
         and (
             (slanting and "the wind's direction says it")
             or (v["plane"] == "yaw" and "a wind in yaw blows across the path")

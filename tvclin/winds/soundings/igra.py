@@ -444,7 +444,7 @@ def collect_levels(
 
 
 def _without_fault(why: list[str]) -> BoolArray:
-    """Return whether the reason why a sounding is invalid is empty, ``(n,)``."""
+    """Return whether each of n soundings is valid, `why` it is not being empty, ``(n,)``."""
     return np.array([not reason for reason in why], dtype=bool)
 
 
