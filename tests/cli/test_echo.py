@@ -42,6 +42,24 @@ def test_a_mass_typed_as_a_weight_is_doubted(tmp_path: Path) -> None:
     assert "if the weight is a mass" in study(tmp_path, ("weight_N = 1.5e7", "weight_N = 1.53e6"))
 
 
+def test_a_dynamic_pressure_in_another_unit_is_doubted_before_all_else(tmp_path: Path) -> None:
+    """0.5 rho V^2 is 45.9 kPa at 540 m/s and 11.9 km, where rho is 0.315 kg/m^3."""
+    coefficients = (
+        "reference_area_m2 = 34.2\nnormal_force_coefficient_slope_per_rad = 4.3\n"
+        "axial_force_coefficient = 0.51\n"
+    )
+    for pressure, doubted in (("dynamic_pressure_kPa", False), ("dynamic_pressure_Pa", True)):
+        said = study(
+            tmp_path,
+            ("normal_force_slope_N_per_rad = 6.7e6 ", f"{pressure} = 45.5\n{coefficients}# "),
+            ("axial_force_N = 7.9e5 ", "# "),
+            ("# [flight]\n# altitude_m", "[flight]\naltitude_m"),
+            ("# specific_impulse_s", "specific_impulse_s"),
+        )
+        assert ("in the standard atmosphere: a unit may be wrong" in said) == doubted
+        assert "Required deflection" in said
+
+
 DOUBTED = {
     "thrust is far above weight (T/W 15)": ("weight_N = 1.5e7", "weight_N = 1.6667e6"),
     "thrust is far below weight (T/W 0.4)": ("thrust_N = 2.5e7", "thrust_N = 6.0e6"),

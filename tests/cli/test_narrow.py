@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from tests.turns import usual
 from tvclin.base.lines import QUANTITIES, Table
+from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.cli.app import app
 from tvclin.cli.output import print_answer, say
 from tvclin.vehicle.vehicle_file import read_vehicle_text, template
@@ -143,6 +144,15 @@ def test_an_answer_has_its_verdict_first_and_three_notes(more, capsys) -> None:
     assert said == ["Enough.", "A", "weight  3", *notes, end]
 
 
+def test_notes_on_implausible_input_are_first_and_all_printed(capsys) -> None:
+    table = Table("A", QUANTITIES, ((("weight",), ("3",)),))
+    implausible = [ImplausibleInput(note) for note in "pqrs"]
+    for count, further in ((1, "wx"), (4, "")):
+        print_answer("enough", table, notes=["w", "x", "y", *implausible[:count]])
+        said = [line for line in capsys.readouterr().out.splitlines() if "Note" in line]
+        assert said == [f"Note: {note}." for note in (*implausible[:count], *further)]
+
+
 def test_numbers_beyond_all_nozzles_are_no_wider_than_others(tmp_path: Path) -> None:
     """A thrust in kN where N was meant requires 1e47 deg, which was printed with all its digits."""
     text = read_vehicle_text("configuration-i")[0]
@@ -152,7 +162,9 @@ def test_numbers_beyond_all_nozzles_are_no_wider_than_others(tmp_path: Path) -> 
     file.write_text(text.replace(thrust[0], f"thrust_N = {float(thrust[1]) / 1e3!r}"))
     said = CliRunner(env={"COLUMNS": "80"}).invoke(app, ["study", str(file)]).output
     assert said.startswith("In this wind the ideal trim law requires more than 90 deg of")
-    assert "a power of ten may be missing" in " ".join(said.split())
+    notes = " ".join(said.split()).split("Note: ")[1:]
+    assert "the linear force of a nozzle says nothing" in notes[0]
+    assert "a power of ten may be missing" in notes[1]
     assert max(len(line.rstrip()) for line in said.splitlines()) <= 80
 
 

@@ -193,6 +193,14 @@ def test_vehicles_come_in_batches_that_broadcast():
     assert vehicle.velocity == 538.81
 
 
+@pytest.mark.parametrize(("factor", "doubted"), [(1.0, False), (1e-3, True), (1e3, True)])
+def test_an_inertia_with_another_prefix_is_doubted(factor, doubted):
+    """A slender body has a radius of gyration of 0.5 to 1 times its control arm."""
+    inertia = factor * NUMBERS["moment_of_inertia"]
+    warnings = list(vehicle_warnings(tvclin.Vehicle(**NUMBERS | {"moment_of_inertia": inertia})))
+    assert any("the unit of the moment of inertia" in warning for warning in warnings) == doubted
+
+
 @pytest.mark.parametrize(("factor", "doubted"), [(1.0, False), (180.0 / np.pi, True)])
 def test_slopes_of_a_mode_in_degrees_are_doubted(factor, doubted):
     vehicle = tvclin.load_vehicle("made-up-booster")

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import within
+from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY
 
 HIGHEST = 86_000.0
@@ -86,20 +87,20 @@ def air_at(altitude: FloatArray) -> Air:
 
 def pressure_notes(
     times: FloatArray, pressure: FloatArray, speed: FloatArray, altitude: FloatArray
-) -> Iterator[str]:
+) -> Iterator[ImplausibleInput]:
     """Yield a note where a dynamic pressure contradicts speed and altitude, in standard air.
 
-    `times`: flight times [s]. `pressure`: dynamic pressure [Pa]. `speed`: airspeed [m/s].
-    `altitude`: geometric altitude [m]. All are ``(n,)``.
+    `times`: flight times [s], NaN for one that is not known. `pressure`: dynamic pressure [Pa].
+    `speed`: airspeed [m/s]. `altitude`: geometric altitude [m]. All are ``(n,)``.
     """
     standard = 0.5 * air_at(altitude).density * speed**2
     excess = np.abs(pressure / np.maximum(standard, np.finfo(float).tiny) - 1.0)
     worst = int(np.argmax(excess))
     if excess[worst] > _MAX_PRESSURE_ERROR:
-        yield (
-            f"the dynamic pressure at {times[worst]:.6g} s is {pressure[worst]:.4g} Pa, and speed"
-            f" and altitude give {standard[worst]:.4g} Pa in the standard atmosphere: a unit may be"
-            " wrong"
+        at = "" if np.isnan(times[worst]) else f" at {times[worst]:.6g} s"
+        yield ImplausibleInput(
+            f"the dynamic pressure{at} is {pressure[worst]:.4g} Pa, and speed and altitude give"
+            f" {standard[worst]:.4g} Pa in the standard atmosphere: a unit may be wrong"
         )
 
 

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from tvclin.ascent.atmosphere import pressure_notes
-from tvclin.ascent.nominal_flight import load_flight_condition, time_of
+from tvclin.ascent.nominal_flight import FLIGHT_TABLE, load_flight_condition, time_of
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.structure_schedule import load_structure
 from tvclin.base.errors import InputError, naming, number, path, shown
 from tvclin.base.files import called, exists, tables_of
+from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.base.sheet import MISSING_NUMBERS, Headings, cell_number, lines_of, sheet_in
 from tvclin.base.tables import FileTable
 from tvclin.vehicle import vehicle_file
@@ -36,6 +37,8 @@ FLIGHT_COLUMNS = FileTable(
 """Columns of a flight schedule beside the keys of [vehicle]."""
 _WORDS = ("name", "structure")
 """Columns of text: names of the vehicle and of the table of its structure."""
+_PRESSURE_NUMBERS = ("time", "dynamic_pressure", "velocity", "altitude")
+"""Parameters of `pressure_notes`."""
 SOURCE_TABLE = FileTable("[schedule]", words=("source", "structure"))
 """A [schedule] that names the flight, and the table of its structure, in place of its lists."""
 
@@ -223,11 +226,30 @@ def _numbers_of(rows: list[Row], *names: str) -> list[dict[str, float]]:
     return numbers
 
 
+def pressure_warnings(source: str | PathLike[str]) -> Iterator[ImplausibleInput]:
+    """Yield a warning on a dynamic pressure of a file that contradicts its speed and altitude.
+
+    `source`: name of a vehicle of the package, path of a vehicle file, whose altitude stands in
+    [flight], or a flight schedule. Nothing is yielded without a pressure or an altitude.
+    """
+    if vehicle_file.is_schedule(source):
+        notes = load_schedule(source).notes
+        yield from (note for note in notes if isinstance(note, ImplausibleInput))
+        return
+    tables = vehicle_file.source_tables(source)
+    if "vehicle" in tables and "flight" in tables:
+        values = vehicle_file.VEHICLE_TABLE.one(tables), FLIGHT_TABLE.one(tables)
+        numbers = vehicle_file.VEHICLE_TABLE.read(values[0]) | FLIGHT_TABLE.read(values[1])
+        numbers.setdefault("time", np.nan)
+        if {"dynamic_pressure", "altitude"} <= numbers.keys():
+            yield from pressure_notes(*(np.array([numbers[name]]) for name in _PRESSURE_NUMBERS))
+
+
 def _pressure_notes(rows: list[Row]) -> Iterator[str]:
     """Yield a note on a dynamic pressure of rows that contradicts their speed and altitude."""
-    names = ("time", "dynamic_pressure", "velocity", "altitude")
-    if values := _numbers_of(rows, *names):
-        yield from pressure_notes(*(np.array([v[name] for v in values]) for name in names))
+    if values := _numbers_of(rows, *_PRESSURE_NUMBERS):
+        numbers = (np.array([v[name] for v in values]) for name in _PRESSURE_NUMBERS)
+        yield from pressure_notes(*numbers)
 
 
 def _with_inertia_rates(rows: list[Row]) -> list[Row]:

@@ -1,4 +1,4 @@
-"""Warnings of this package, each sentence once, without warnings of other packages."""
+"""Warnings of this package: of its computations, each once, and on implausible input."""
 
 import warnings
 from collections.abc import Callable, Iterator
@@ -10,6 +10,10 @@ class MachineWarning(UserWarning):
 
     It concerns the time of an answer and not its numbers, so that pages and notes omit it.
     """
+
+
+class ImplausibleInput(str):
+    """Note on an implausible number of the input, which answers print before all other notes."""
 
 
 @contextmanager

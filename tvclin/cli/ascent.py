@@ -47,7 +47,7 @@ from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import STEADY, Sizing
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
-from tvclin.requirement.required_quantity import Requirement
+from tvclin.requirement.required_quantity import Requirement, deflection_warnings
 from tvclin.requirement.study import uncounted_sign
 from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 from tvclin.studyfile.read import is_flight, load_sizing
@@ -211,9 +211,10 @@ class _Answer:
         `flights` are the flights of the autopilot, `use` its required and used deflections; None
         where they are not computed.
         """
-        flights, notes = self.flights, []
+        flights = self.flights
+        notes: list[str] = [*deflection_warnings(self.total.required)]
         if flights is not None:
-            notes = [f"flown by the autopilot: {flights.verdict}", *flights.notes]
+            notes = [*notes, f"flown by the autopilot: {flights.verdict}", *flights.notes]
             unknown = () if flights.use is None else flights.use.reasons
             notes += [f"autopilot requirement NOT KNOWN: {reason}" for reason in unknown]
         if self.total.rate_limit is not None:

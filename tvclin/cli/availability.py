@@ -167,6 +167,9 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
         raise InputError("availability is judged for a limit: give --limit-deg")
     if not (is_flight_with_keys(source) or is_flight(source)):
         note_vehicle_warnings(plan.vehicle)
+    elif plan.sizing is not None:
+        for warning in plan.sizing.warnings:
+            note_below(warning)
     note_omissions(plan, "availability")
     return plan
 

@@ -59,11 +59,12 @@ def case_of(
     `source`: name of a vehicle or of a file. `changes`: functions that put options over the plan of
     the file, as `GainOptions.applied_to`. `wind`: likewise for the wind, as
     `PulseOptions.applied_to`. Notes on stderr name the effects that the `questions` neglect, and
-    doubtful numbers of the vehicle; a question of the rigid vehicle alone gets that.
+    implausible numbers of the vehicle; a question of the rigid vehicle alone gets that.
     """
     plan = load_study(source, time)
     if "study" not in questions:  # which has them among its own notes
         note_vehicle_warnings(plan.vehicle)
+    note_pressure_warnings(source)
     for change in changes:
         plan = change(plan)
     if wind is not None:
@@ -88,6 +89,18 @@ def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
     """Print warnings on implausible numbers of a vehicle, on stderr."""
     for doubt in vehicle_warnings(vehicle) if isinstance(vehicle, Vehicle) else ():
         note_below(doubt)
+
+
+def note_pressure_warnings(source: str) -> None:
+    """Print on stderr a warning on a dynamic pressure that contradicts speed and altitude.
+
+    `source`: a vehicle, study or campaign file, or a flight schedule.
+    """
+    from tvclin.ascent.schedule_file import pressure_warnings  # late: with a flight
+
+    with suppress(InputError):  # a study with the numbers of its vehicle, which have no altitude
+        for warning in pressure_warnings(vehicle_source(source)):
+            note_below(warning)
 
 
 def note_omissions(case: Case, *questions: str, tables: Collection[str] = ()) -> None:

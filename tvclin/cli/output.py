@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from tvclin.base.package_warnings import ImplausibleInput
+
 if TYPE_CHECKING:
     from control import ControlPlot
     from rich.console import Console
@@ -91,14 +93,18 @@ def print_answer(
 ) -> None:
     """Print the verdict, the tables that answer, and notes.
 
-    `notes`: the first three are printed, and with `more`, the option --more, all of them.
+    `notes`: those on implausible input come first. The first three are printed, or all on
+    implausible input, and with `more`, the option --more, all of them.
     `details`: prints further tables below, with `more` alone. Without it a last line says that
     there is more.
     """
     say(f"{verdict[0].upper()}{verdict[1:].rstrip('.')}.\n")
     print_tables(*tables)
-    unique = list(dict.fromkeys(notes))
-    say_notes(unique if more else unique[:_MAX_NOTES])
+    unique = dict.fromkeys(notes)
+    implausible = [note for note in unique if isinstance(note, ImplausibleInput)]
+    others = [note for note in unique if not isinstance(note, ImplausibleInput)]
+    remaining = len(others) if more else max(0, _MAX_NOTES - len(implausible))
+    say_notes([*implausible, *others[:remaining]])
     if more and details is not None:
         details()
     elif not more and (details is not None or len(unique) > _MAX_NOTES):

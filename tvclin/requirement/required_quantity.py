@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +11,12 @@ from tvclin.base import quantities
 from tvclin.base.errors import between, one_of
 from tvclin.base.fields import checked, flag, word
 from tvclin.base.fields import quantity as number_field
+from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.winds.wind_angles import DIRECTIONS
 
 DEAD_BAND = "dead band"
+MAX_LINEAR_DEFLECTION = float(np.radians(30.0))
+"""Deflection [rad] above which its lateral force is no longer proportional to it, within 5 %."""
 QUANTITIES = ("trim", DEAD_BAND, "no forecast", "minimum")
 _HEADINGS = {
     "no forecast": quantities.NO_FORECAST,
@@ -113,6 +116,19 @@ def heading_of(label: str) -> str:
 def in_wind(direction: str) -> str:
     """Return the end of a label, ", head wind", for a direction of the wind; empty for none."""
     return f", {direction} wind" if direction else ""
+
+
+def deflection_warnings(required: float) -> Iterator[ImplausibleInput]:
+    """Yield a warning on a required deflection [rad] above `MAX_LINEAR_DEFLECTION`.
+
+    None on an infinite one, where no limit is sufficient.
+    """
+    if MAX_LINEAR_DEFLECTION < required < np.inf:
+        yield ImplausibleInput(
+            f"the required deflection is {np.degrees(required):.4g} deg, and above"
+            f" {np.degrees(MAX_LINEAR_DEFLECTION):.3g} deg the linear force of a nozzle says"
+            " nothing: a number of the vehicle or of the wind may be in another unit"
+        )
 
 
 def requirement_among(

@@ -31,6 +31,7 @@ from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE, Plant, models_of
 from tvclin.requirement.case_requirement import CaseRequirement, case_requirement, pulse_of
 from tvclin.requirement.nominal_requirement import RequiredDeflection, required_deflection
 from tvclin.requirement.plane_requirement import direction_notes
+from tvclin.requirement.required_quantity import deflection_warnings
 from tvclin.vehicle.coefficients import Coefficients
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle, coefficients_of
 from tvclin.vehicle.vehicle import Vehicle
@@ -430,6 +431,7 @@ class Study(CaseRequirement, Shown):
             direction_notes(need.planes, case.plane, need.judges_both_planes, nominal),
         )
         notes = [
+            deflection_warnings(need.required_deflection),
             linear_notes(need.wind_angle) or linear_notes(survives, _SURVIVES),
             slow_or_paired(plant, history, required, K),
             unstable_modes_omitted(plant, modes),

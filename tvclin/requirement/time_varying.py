@@ -166,7 +166,7 @@ def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
         raise InputError(
             f"varying parameters can be followed for at most {_MAX_STEPS * STEP:.4g} times"
             f" {slowest:.4g} s, the time of the fastest motion; this wind lasts {lasts:.4g} s:"
-            " shorten it"
+            " check the moment of inertia and the forces, or shorten the wind"
         )
     knots = _breakpoints(wind, motion)
     widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])

@@ -46,6 +46,7 @@ from tvclin.requirement.flight.sizing import Sizing, flight_times
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH, PLANES
+from tvclin.vehicle.vehicle import vehicle_warnings
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
 from tvclin.winds.wind_angles import ATTACK, MAX_LINEAR_ANGLE, SIGNS, beyond_linear
@@ -148,8 +149,8 @@ class FlightLoop:
 
     @property
     def notes(self) -> Iterator[str]:
-        """Notes on the flight, on gains that are not specified, and on an assumed actuator."""
-        yield from self.flight.notes
+        """Notes on the flight, implausible numbers, unspecified gains, an assumed actuator."""
+        yield from (*self.flight.notes, *vehicle_warnings(self.flight.vehicle))
         if self.plan.autopilot_design.unspecified:
             yield (
                 "these are textbook gains at each flight time, since no option and no file"

@@ -13,6 +13,7 @@ from tvclin.base import errors
 from tvclin.base.arrays import FloatArray, Real
 from tvclin.base.cards import card, card_rows, lines
 from tvclin.base.fields import fields_of, parameters, spec
+from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.vehicle.structure import Structure
 
 STANDARD_GRAVITY = 9.80665
@@ -30,6 +31,9 @@ _MIN_THRUST_OVER_WEIGHT = 0.5
 _MAX_THRUST_OVER_WEIGHT = 10.0
 """Thrust over weight above which the weight is probably a mass: 1.05 at lift-off would be 10.3.
 Boosters have about 1.05 to 5."""
+_MIN_RADIUS_OVER_ARM = 0.1
+"""Radius of gyration over the control arm below which the inertia is probably in another unit;
+slender bodies have 0.5 to 1."""
 _MAX_VELOCITY = 11.2e3
 """Velocity [m/s] of escape from the Earth, which no ascent in air exceeds."""
 
@@ -280,13 +284,18 @@ _MAX_SLOPE_TIMES_LENGTH = 100.0
 """Largest plausible slope of a bending mode, times the length and over the displacement."""
 
 
-def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
+def vehicle_warnings(vehicle: Vehicle) -> Iterator[ImplausibleInput]:
     """Yield warnings on implausible numbers of a vehicle or a batch, without full stops.
 
     They concern a thrust far below or above the weight, or below the axial force, a velocity above
     the escape velocity, an inertia and slopes of modes in another unit, and a centre of pressure
     behind the centre of gravity.
     """
+    yield from map(ImplausibleInput, _vehicle_warnings(vehicle))
+
+
+def _vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
+    """Yield the sentences of `vehicle_warnings`."""
     ratio = np.asarray(vehicle.thrust) / vehicle.weight
     arm = np.asarray(vehicle.aerodynamic_arm)
     if np.any(ratio < _MIN_THRUST_OVER_WEIGHT):
@@ -313,6 +322,12 @@ def vehicle_warnings(vehicle: Vehicle) -> Iterator[str]:
         yield (
             f"the radius of gyration is {radius.max():.4g} m, longer than control and aerodynamic"
             f" arm together, {length.max():.4g} m: the unit of the moment of inertia may be wrong"
+        )
+    if np.any(radius < _MIN_RADIUS_OVER_ARM * np.asarray(vehicle.control_arm)):
+        yield (
+            f"the radius of gyration is {radius.min():.4g} m, and that of a slender body at least"
+            f" {100 * _MIN_RADIUS_OVER_ARM:g} % of the control arm: the unit of the moment of"
+            " inertia may be wrong"
         )
     if vehicle.structure is not None:
         yield from _slope_warnings(vehicle.structure, float(length.max()))

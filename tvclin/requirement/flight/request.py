@@ -21,6 +21,7 @@ from tvclin.base.fields import checked, file_table, flag, quantity, text, word
 from tvclin.base.fields import count as integer
 from tvclin.base.lines import Line
 from tvclin.base.lines import number as number_line
+from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.case.case import Case
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import AutopilotDesign
@@ -608,13 +609,15 @@ class SizingRequest:
 
     @property
     def warnings(self) -> list[str]:
-        """Warning that the flight is of another vehicle than the study, `another`; else empty."""
-        if not self.another:
-            return []
-        return [
-            f"the flight is of {self.source}, not of the study's vehicle, {self.another}; give"
-            " its flight in [schedule], or omit [schedule] and [size]"
-        ]
+        """Warnings on implausible numbers of the flight, and on one of `another` vehicle."""
+        noted = (note for note in self.schedule.notes if isinstance(note, ImplausibleInput))
+        warnings: list[str] = [*noted, *vehicle_warnings(self.schedule.vehicle)]
+        if self.another:
+            warnings.append(
+                f"the flight is of {self.source}, not of the study's vehicle, {self.another}; give"
+                " its flight in [schedule], or omit [schedule] and [size]"
+            )
+        return warnings
 
     def sounding_lines(self) -> Iterator[Line]:
         """Yield station, date and direction of flight of each sounding, as a sentence."""
@@ -626,8 +629,8 @@ class SizingRequest:
 
     @property
     def notes(self) -> list[str]:
-        """Notes on the flight, on implausible numbers of its vehicle, and on soundings."""
-        of_flight = [*self.schedule.notes, *vehicle_warnings(self.schedule.vehicle)]
+        """Notes on the flight, except of `warnings`, and on soundings."""
+        of_flight = [note for note in self.schedule.notes if note not in self.warnings]
         if not self.soundings:
             return of_flight
         scope = (
