@@ -44,3 +44,20 @@ def test_dispersed_winds_have_the_gust_of_the_nominal_one(configuration_i) -> No
     fixed = study(configuration_i, model="fixed-path", gust_at=nominal.wind_in_plane.gust_at)
     one, other = (tv.ensembles.disperse_study(each, cases=20) for each in (nominal, fixed))
     np.testing.assert_array_equal(one.deflection, other.deflection)
+
+
+def test_a_note_says_that_a_gust_nearer_to_the_peak_of_a_head_wind_may_require_more() -> None:
+    """The time is that of nominal dynamic pressure."""
+    shallow = tv.load_vehicle("configuration-i").replace(attitude=np.radians(28.9))
+    gust = tv.OneMinusCosineGust(peak=np.radians(3.0), duration=2.0)
+    options = {"duration": 13.0, "peak": np.radians(7.8), "dead_band": 0.5, "gust": gust}
+
+    def of(**given: float) -> tv.Study:
+        return tv.Study.from_vehicle(shallow, **options, model="fixed-path", **given)
+
+    result = of()
+    placed = float(result.wind_in_plane.gust_at or 0.0)
+    later = [of(gust_at=placed + dt).required_deflection for dt in (0.5, 1.0)]
+    noted = any("nearer to the peak of a strong head wind" in note for note in result.notes)
+    assert noted == (max(later) > result.required_deflection * 1.003)
+    assert noted

@@ -146,16 +146,27 @@ def nominal_pressure(case: Case) -> Iterator[str]:
         )
 
 
-def gust_placed(specified: ShapedWind, placed: ShapedWind) -> Iterator[str]:
+def gust_placed(specified: ShapedWind, need: CaseRequirement) -> Iterator[str]:
     """Yield a note on the time of a gust that was placed where it requires most.
 
-    `specified`: wind of the case. `placed`: the same wind with its gust at that time.
+    That is where it requires most at nominal dynamic pressure. In a head wind the pressure is
+    highest at the peak of the wind, and a gust nearer to it may require more.
+
+    `specified`: wind of the case. `need`: its requirement, with the gust at that time.
     """
-    if specified.gust_at is None and placed.gust_at is not None:
-        yield (
-            f"the gust is at the worst time, {placed.gust_at:.4g} s (peak_time_s in"
-            " [gust] gives another)"
+    time = need.wind_in_plane.gust_at
+    if specified.gust_at is not None or time is None:
+        return
+    note = (
+        f"the gust is at the worst time {NOMINAL}, {time:.4g} s (peak_time_s in [gust] gives"
+        " another)"
+    )
+    if need.direction == "head":
+        note += (
+            "; nearer to the peak of a strong head wind it may require more, by up to some 20"
+            " percent: try other times"
         )
+    yield note
 
 
 def slow_or_paired(
@@ -437,7 +448,7 @@ class Study(CaseRequirement, Shown):
             unstable_modes_omitted(plant, modes),
             *(() if need.beyond_linear else theory_notes),
             vehicle_warnings(case.vehicle),
-            gust_placed(pulse_of(case), need.wind_in_plane),
+            gust_placed(pulse_of(case), need),
             *(() if need.beyond_linear else path_notes),
         ]
         trim = abs(float(coefficients.B * history.peak))

@@ -302,7 +302,7 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
     return [
         *linear_notes(requirement.wind_angle),
         *vehicle_warnings(plan.vehicle),
-        *gust_placed(choices.wind, requirement.wind_in_plane),
+        *gust_placed(choices.wind, requirement),
         *along_the_path(requirement),
         *(
             plane_notes
