@@ -290,7 +290,7 @@ def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> Shap
     middle = 0.5 * (float(gust.onset) + float(gust.end))
 
     def required(time: FloatArray) -> FloatArray:
-        """Return the required deflections [rad] with the gust at times [s], in their shape."""
+        """Return the required deflections [rad] with the `middle` of the gust at times [s]."""
         gusty = wind_without_gust + gust.shift(time - middle)
         # Literal: the switch compares the trim deflection itself with K times the limit.
         boundary = boundary_limit(plant, gusty, K, "literal")

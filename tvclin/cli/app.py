@@ -94,7 +94,7 @@ def _named(command: Any) -> Any:
 
     @wraps(run)
     def call(*arguments: Any, **values: Any) -> Any:
-        """Run a command; its `ValueError` names the option that is at fault."""
+        """Run a command, `run`; its `ValueError` names which of its `options` is at fault."""
         from tvclin.cli.settings import check_settings, faulty_key, keys_of_arguments, named
 
         try:

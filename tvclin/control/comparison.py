@@ -63,7 +63,7 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     numerator = wind_numerator(autopilot, plant)
 
     def negative_gain(omega: FloatArray) -> FloatArray:
-        """Return -|G(j omega)|, to be minimised, at frequencies [rad/s]."""
+        """Return -|G(j omega)| at frequencies [rad/s]: `numerator` over D + N of L = N/D."""
         N, D = (term.reshape(omega.shape) for term in loop.form.parts(omega.reshape(1, -1)))
         return -np.abs(polynomials.value(numerator, 1j * omega) / (D + N))  # N with its delay
 
@@ -175,7 +175,7 @@ def worst_duration(
     peaks = autopilot.deflection_peaks_function(plant)
 
     def deflections(durations: FloatArray) -> FloatArray:
-        """Return the peak deflection [rad] in winds of some durations [s], ``(n,)``."""
+        """Return the peak deflections [rad] in winds of a `shape` and n durations [s], ``(n,)``."""
         winds = [shape(peak=peak, duration=duration) for duration in durations.tolist()]
         instance("shape(peak, duration)", winds[0], History, "such as TriangularWind")
         return peaks(winds)

@@ -195,7 +195,10 @@ def verdict_of(
     peak, is_law = float(wind.peak), isinstance(control, Law)
 
     def survives(limit: float) -> bool:
-        """Return whether the flight with a deflection limit [rad] survives."""
+        """Return whether the flight with a deflection limit [rad] survives: no late fall.
+
+        A law must not fall to either side; the report's control only with the wind of that `peak`.
+        """
         rate = late_rate(limit)
         rate_with_wind = -rate if peak > 0.0 else rate
         return not has_fallen(abs(rate) if is_law else rate_with_wind, peak, pole)

@@ -68,7 +68,7 @@ def planar_verdict(
     command = command_of(control, span[0], actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
-        """Return the attitude rate [rad/s] at the time of the verdict, or the end of the flight."""
+        """Return the attitude rate [rad/s] at the end of the `span`, or of a shorter flight."""
         flight = case.flown(command, limit)
         late = flight.rows(np.array([min(flight.end, span[1])]))[:, 0]
         return float(late[1])  # after the attitude
@@ -107,7 +107,7 @@ def sixdof_verdict(
     command = command_of(control, begin, actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
-        """Return the attitude rate [rad/s] at the end of the flight with a limit [rad]."""
+        """Return the attitude rate [rad/s] at the end of the flight in `air` with a limit [rad]."""
         steering = case.steering(command, limit, air)
         late = case.flown(steering, air, command.lateral_sensors)[-1]
         return float(late[1])  # after the attitude

@@ -383,7 +383,7 @@ class FlightDuty(Shown):
         planes = len({point.plane for point in self.points}) > 1
 
         def where(item: DutyPoint | WindDuty) -> Line:
-            """Return the wind of a point or a sum, with its plane where several are flown."""
+            """Return the wind of a point or a sum, with its plane if there are several `planes`."""
             return (f"{item.wind}, {item.plane}" if planes else item.wind,)
 
         rows: list[tuple[Line, ...]] = []

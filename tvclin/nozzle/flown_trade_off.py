@@ -308,7 +308,7 @@ def flown_required_rate(case: Case, law: Law) -> float:
     hardware = {**case.hardware, "deflection_limit": case.nozzle.limit}
 
     def lost(rates: ArrayLike) -> BoolArray:
-        """Return whether flights with rate limits [rad/s] are not survived, in their shape."""
+        """Return whether flights of the `law` with rate limits [rad/s] are not survived."""
         flights = fly_many(case.plant, law, case.history, **{**hardware, "rate_limit": rates})
         return flights.status != SURVIVED
 

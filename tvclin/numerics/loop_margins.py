@@ -327,7 +327,7 @@ def _phase_crossovers(
     """
 
     def angle(frequency: FloatArray, index: IndexArray) -> FloatArray:
-        """Return the phase lag [rad] to the negative real axis of the cases at `index`."""
+        """Return the phase lag [rad] of L to the negative real axis, of the loops at `index`."""
         return _lag_to_real_axis(*loop.take(index).parts(frequency[:, np.newaxis]))[:, 0]
 
     sign = np.sign(_imaginary(N, D))
@@ -420,7 +420,10 @@ def _closed_loop_peaks(
         candidates = loop.take(case)
 
         def lowness(frequency: FloatArray) -> FloatArray:
-            """Return minus the size of S, T or (S - T)/2 of candidates at ``(s, m)``."""
+            """Return minus the size of S, T or (S - T)/2, by `kind`, of s candidates, ``(s, m)``.
+
+            `frequency`: m frequencies [rad/s] of each.
+            """
             N, D = candidates.parts(frequency)
             selected = np.choose(kind[:, np.newaxis], _numerators(N, D))
             return -_size(product(selected, inverse(D + N)))

@@ -136,7 +136,10 @@ def responses(
     kernel = choice.fastest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
-        """Compute the outputs of the cases from `begin` up to, not including, `end`, into `out`."""
+        """Compute the outputs of the cases from `begin` up to, not including, `end`, into `out`.
+
+        `rising`: the times. `first`, `second`: both inputs. `case_rows`: their positions by case.
+        """
         memory = workspace(dtype, plants[2].shape[1:], first, second)
         with np.errstate(all="ignore"):  # overflows are infinite
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)

@@ -240,12 +240,12 @@ def bode_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) -> Co
     edge = _frame_bode(axes, samples)
 
     def magnitude(omega: float) -> tuple[float, float]:
-        """Return the position [rad/s, dB] of a mark at a frequency `omega` [rad/s]."""
+        """Return the position [rad/s, dB] of a mark at `omega` [rad/s], at the `edge` if below."""
         _, decibels = samples.at(omega)
         return max(omega, edge), decibels
 
     def phase(omega: float) -> tuple[float, float]:
-        """Return the position [rad/s, deg] of a mark at a frequency `omega` [rad/s]."""
+        """Return the position [rad/s, deg] of a mark at `omega` [rad/s], at the `edge` if below."""
         degrees, _ = samples.at(omega)
         return max(omega, edge), degrees
 

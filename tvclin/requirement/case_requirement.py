@@ -416,7 +416,10 @@ def survived_size(
 
     @cache
     def excess(x: float) -> float:
-        """Return log(requirement/limit) at the logarithm of a factor on the wind."""
+        """Return log(requirement/limit), with the logarithm `x` of a factor on the wind.
+
+        `need` returns the requirement of a factor, `required` is that of the factor 1.
+        """
         ratio = (need(float(np.exp(x))) if x else required) / limit
         # zero and infinite requirements have a sign alone
         return float(np.log(ratio)) if 0.0 < ratio < np.inf else np.copysign(1.0, ratio - 1.0)

@@ -360,7 +360,7 @@ class History(Record, ABC):
         pieces, peak_sign = algebra.take(self.pieces, np.flatnonzero(inside)), sign[inside]
 
         def negative_size(t: FloatArray) -> FloatArray:
-            """Return minus the size of the values at times `t` [s], a row for each case."""
+            """Return minus the size of the `pieces` at times `t` [s], a row for each case."""
             return -peak_sign[:, np.newaxis] * np.real(algebra.value(pieces, t))
 
         refined, ends = np.zeros(self.batch), (bracket[inside, 0], bracket[inside, 2])

@@ -183,7 +183,7 @@ def fit_of(wanted: Wanted) -> Fit:
     time = " ".join(str(wanted["time"].source).split())
 
     def fit(headings: Headings) -> float:
-        """Return the number of mapped columns among the headings of a line; 0 without the time."""
+        """Return the number of headings of a line in `names`; 0 without the mapped time."""
         available = {name for heading in headings for name in (heading.text, heading.name)}
         return len(names & available) if time in available else 0.0
 

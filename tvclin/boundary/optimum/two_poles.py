@@ -47,7 +47,8 @@ def switch_time(
         """Return c1 (1 - 2 E2 + F2) - c2 (1 - 2 E1 + F1) for a switch at `t` [s], zero by eq (C5).
 
         Each 1 - 2 E + F is the sum of a fixed term and a term that moves with `t` (`_share`). Fixed
-        and moving terms are subtracted separately, so that equal fixed terms cancel exactly.
+        and moving terms are subtracted separately, so that equal fixed terms cancel exactly. c_i is
+        the pole times its demand.
         """
         # poles[0] has E1 and F1, and by eq (C5) stands with c2 = c[1]
         (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)

@@ -87,7 +87,8 @@ class VaryingLoop:
         def varying(values: FloatArray) -> FloatArray:
             """Return `values`, ``(nodes, ...)``, interpolated to the n times [s], ``(n, ...)``.
 
-            If they are equal at all nodes they are returned once, without the axis n.
+            If they are equal at all nodes they are returned once, without the axis n. `first`:
+            index of the first of the five nodes for each time, with their `weights`.
             """
             constant = np.all(values == values[0])
             return values[0] if constant else _values_at(values, first, weights)

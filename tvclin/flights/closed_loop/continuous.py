@@ -635,7 +635,7 @@ def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
     coefficients, rates = pieces.coefficients[k, :, ::-1].tolist(), pieces.rates.tolist()
 
     def value(t: Any) -> Any:
-        """Return the sum of polynomial(t - knot) e^(rate (t - knot)) of the piece at times [s]."""
+        """Return the sum of polynomial(t - knot) e^(rate (t - knot)) at times [s], over `rates`."""
         u, total = t - knot, 0.0
         for polynomial, rate in zip(coefficients, rates, strict=True):
             term = 0.0 * u

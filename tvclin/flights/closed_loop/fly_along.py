@@ -396,7 +396,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
 
     def loop_at(times: FloatArray) -> LinearSystem:
-        """Return the closed loop at flight times [s]."""
+        """Return the closed loop of the flight `along` at times [s], with a constant `delay`."""
         plants, laws = along.loops(times)
         return closed_loop(replace(laws, delay=delay), plants)
 

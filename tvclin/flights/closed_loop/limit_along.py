@@ -102,7 +102,7 @@ def limit_of_flight(
     scale = _largest_trim(along)
 
     def survives(limits: FloatArray) -> Words:
-        """Return the status of the flight with each of the deflection limits [rad], ``(m,)``."""
+        """Return the status of the flight `along` with each of m limits [rad], ``(m,)``."""
         which = np.zeros(limits.size, np.int64)
         return fly_together([along], which, limits, np.full(limits.size, rate_limit)).status
 

@@ -304,7 +304,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
     """
 
     def step(gain: float, effectiveness: float) -> FloatArray:
-        """Return the step matrix with a factor on the demand and one on the control moment."""
+        """Return the step matrix of `batch` with factors on demand and control moment."""
         plant = batch.plant.with_effectiveness(effectiveness)
         return equilibrium_step(replace(batch, gain=np.asarray(gain), plant=plant))
 
@@ -318,7 +318,8 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         """Return l, the trace of (z - M_0)^-1 (M_1 - M_0), at angles [rad] of z, in their shape.
 
         M_1 = A_1 + z^-n D_1: step without the law, and its effect, n `samples` later; M_1 - M_0 is
-        the change of the step from factor 0 to 1.
+        the change of the step from factor 0 to 1, on the gain or on the effectiveness (`name`); dA
+        and dD are the changes of A_1 and D_1 with the latter.
         """
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples

@@ -379,13 +379,16 @@ def closed_loop_boundary(
 
     @cache
     def flight(wind: History) -> Callable[[FloatArray], Words]:
-        """Return the function from deflection limits [rad] to the status of flights in a wind."""
+        """Return the function from deflection limits [rad] to the status of flights in a wind.
+
+        `factor`: on the gain. `scale`: largest trim deflection [rad].
+        """
         return status_by_limit(one_flight(plant, law, wind, scale, hardware, factor))
 
     flown, total = count(1), (1 + LEVELS) * len(winds)  # a scan and its refinements fly each wind
 
     def tell() -> None:
-        """Report a further wind to the function `progress`, if there is one."""
+        """Report a further wind, of `total`, to the function `progress`, if there is one."""
         if progress is not None:
             progress(min(next(flown), total), total)
 

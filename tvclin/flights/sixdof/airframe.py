@@ -152,7 +152,10 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
         return hypot(*(component() for component in velocities))
 
     def lateral() -> tuple[float, float]:
-        """Return the speed over the ground [m/s], and the force up or right per mass [m/s^2]."""
+        """Return the speed over the ground [m/s], and the force up or right per mass [m/s^2].
+
+        `metres_along_axis`: from lbf per slug, with the sign of the axis.
+        """
         return FOOT * ground_speed(), metres_along_axis * force() / mass()
 
     if plane == "pitch":

@@ -172,7 +172,9 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     def command(k: int, measured: Measurement) -> float:
         """Return the commanded deflection [rad] at step `k`, and update `memory` and `mode`.
 
-        They are the states of the law, and the sign of the full limit while that is commanded.
+        They are the states of the law, with matrices `steps`, and the sign of the full limit while
+        that is commanded, from the demand `engage` to `release` [rad]. `noise`: of the rate
+        [rad/s].
         """
         nonlocal memory, mode
         if noise is not None:

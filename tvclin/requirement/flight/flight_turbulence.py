@@ -518,7 +518,7 @@ def _largest(
     times, covariance = mean.times + start, responses.covariance
 
     def sizes(output: str) -> FloatArray:
-        """Return the size of the mean of an output plus k standard deviations, at each time."""
+        """Return the size of the mean of an output plus k standard deviations, at the `times`."""
         deviation = np.interp(times, covariance.times, covariance.deviation(output))
         return np.abs(mean.mean(output)) + k * deviation
 
