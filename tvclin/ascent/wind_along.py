@@ -49,7 +49,7 @@ class WindAlong:
     known: tuple[float, float] = (-np.inf, np.inf)
 
     def pressure(self, times: FloatArray) -> FloatArray:
-        """Return the dynamic pressure over the nominal one at times of flight [s], ``(n,)``."""
+        """Return the dynamic pressure over the nominal one at n times of flight [s], ``(n,)``."""
         if self.encountered is None:
             return np.ones(times.shape)
         _, ratio = self.encountered.at(np.reshape(times, (1, -1)))

@@ -118,7 +118,7 @@ class FlightComparison:
 
     @property
     def _during_wind(self) -> BoolArray:
-        """Whether a time is not after the end of the wind, ``(n,)``."""
+        """Whether each of the n times is not after the end of the wind, ``(n,)``."""
         return self.times <= float(self.wind.end)
 
     @property

@@ -475,7 +475,7 @@ def _rows(case: IndexArray, key: FloatArray, values: FloatArray, count: int) -> 
 def row_minimum(values: FloatArray, frequencies: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the minimum of each row ``(k,)`` and its frequency; infinity and NaN for an empty row.
 
-    `values`, `frequencies`: ``(k, m)``; NaN in the values is no value.
+    `values`, `frequencies`: of k loops at m frequencies, ``(k, m)``; NaN is no value.
     """
     if not values.shape[-1]:
         return np.full(len(values), np.inf), np.full(len(values), np.nan)

@@ -279,7 +279,7 @@ class StateLoop:
         return replace(self, case=self.case[index])
 
     def parts(self, omega: ArrayLike) -> tuple[AnyArray, AnyArray]:
-        """Return numerator and denominator of L with its delay at j omega, ``(k, m)``.
+        """Return numerator and denominator of k loops L with delay at m frequencies, ``(k, m)``.
 
         They are L and one, and at a pole one and zero, as in `Rational` a denominator of zero. By
         the sum over the poles of each loop. `omega`: frequencies [rad/s], ``(k, m)`` or ``(m,)``.
@@ -319,7 +319,7 @@ class StateLoop:
             return 1j * (self._modal_sum(1j * omega, slope=True) / self._modal_sum(1j * omega))
 
     def is_pole_or_zero(self, omega: FloatArray) -> BoolArray:
-        """Return whether L has a zero or a pole at j omega, to rounding, ``(k,)``.
+        """Return whether each of k loops L has a zero or pole at j omega, to rounding, ``(k,)``.
 
         `omega`: a frequency for each loop [rad/s], ``(k,)``. A zero is a sum of partial fractions
         that cancel; it is not recognised in a loop without them (repeated poles, `modal` false).

@@ -71,7 +71,7 @@ class LoopSamples:
 
     @property
     def decibels(self) -> FloatArray:
-        """Magnitude of L [dB], ``(n,)``."""
+        """Magnitude of L [dB] at the n frequencies, ``(n,)``."""
         return 20.0 * np.log10(np.abs(self.response))
 
     @property

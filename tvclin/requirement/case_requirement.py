@@ -418,7 +418,7 @@ def survived_size(
     def excess(x: float) -> float:
         """Return log(requirement/limit), with the logarithm `x` of a factor on the wind.
 
-        `need` returns the requirement of a factor, `required` is that of the factor 1.
+        `need` returns the requirement of a factor, which is `required` of the factor 1.
         """
         ratio = (need(float(np.exp(x))) if x else required) / limit
         # zero and infinite requirements have a sign alone

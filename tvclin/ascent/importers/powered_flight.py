@@ -363,7 +363,7 @@ def _check_angle_of_attack(flight: Flight) -> None:
 
 
 def _check_attitude(flight: Flight, attitude: FloatArray) -> None:
-    """Raise `InputError` for an attitude [rad], ``(n,)``, far from the path of a flight."""
+    """Raise `InputError` for an attitude [rad] of n rows far from the path of a flight."""
     path = np.arcsin(np.clip(flight["climb"] / flight["velocity"], -1.0, 1.0))
     flight.require(
         np.abs(path - attitude) <= _MAX_PATH_DIFFERENCE,

@@ -290,9 +290,9 @@ def _surplus_over_limit(surplus: Any, judged: Judgement) -> Any:
 def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",)) -> WorstMargin:
     """Return the margin with the smallest surplus over flight times and detuned modes.
 
-    Unstable loops precede all others. `judged`: values of one criterion, ``(..., n)``. `times`:
-    flight times [s], ``(n,)``. `changes`: names of the changes of modes, one for each value of the
-    leading axis; one empty name for the nominal loop.
+    Unstable loops precede all others. `judged`: margins of one criterion, by change and n times,
+    ``(..., n)``. `times`: flight times [s], ``(n,)``. `changes`: names of the changes of modes, one
+    for each value of the leading axis; one empty name for the nominal loop.
     """
     surplus = np.asarray(judged.surplus, float).reshape(-1, times.size)
     values = np.asarray(judged.value, float).reshape(-1, times.size)

@@ -125,7 +125,7 @@ class Availability(Tabled):
 
     @property
     def required(self) -> FloatArray:
-        """Lower bounds of required deflections [rad], ``(n,)``; NaN where this limit is not judged.
+        """Lower bounds of the requirement [rad] in n soundings, ``(n,)``; NaN where not judged.
 
         The bounds depend on the limit of `availability`: a sounding whose trim reaches it more than
         once is flown if it requires about this limit, and else `lower` and `upper` are its bounds.
@@ -134,7 +134,7 @@ class Availability(Tabled):
 
     @property
     def why(self) -> tuple[str, ...]:
-        """Reason why a sounding is not judged, ``(n,)``; empty for a judged one.
+        """Reason why each of n soundings is not judged; empty for a judged one.
 
         It is the sounding's own (`reasons`), or where the limit lies between both bounds of the
         requirement, that its wind is not known, or that trim reaches the limit more than once and
@@ -366,7 +366,7 @@ class Availability(Tabled):
         return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:
-        """Return verdicts on a limit [rad], ``(n,)``: 1 sufficient, 0 insufficient, NaN unknown."""
+        """Return verdicts in n soundings on a limit [rad]: 1 sufficient, 0 not, NaN unknown."""
         with np.errstate(invalid="ignore"):
             sufficient = np.asarray(covers(limit, self.upper))
             insufficient = ~np.asarray(covers(limit, self.lower))

@@ -238,7 +238,7 @@ def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
 
 
 def _flown(campaign: Campaign, batch: Batch, limit: FloatArray | float) -> dict[str, Any]:
-    """Return survival and peaks [rad] of the flights of a batch in a plane, ``(n,)`` by column.
+    """Return survival and peaks [rad] of the n flights of a batch in a plane, by column.
 
     `limit`: deflection limit [rad], ``(n,)`` or a scalar.
     """

@@ -337,7 +337,7 @@ class CampaignResults(Tabled):
         )
 
     def answers(self, output: str | None = None) -> FloatArray:
-        """Return an output [rad] of the cases that have an answer, ``(n,)``, in their order.
+        """Return an output [rad] of the n cases that have an answer, ``(n,)``, in their order.
 
         `output`: a name of `angles`, by default the first.
         """

@@ -144,7 +144,7 @@ class FlownFlights:
         return plants_of(vehicles, first.model, first.plane)
 
     def pressure_at(self, times: FloatArray, which: IntArray) -> FloatArray:
-        """Return the dynamic pressure q/q_n encountered at times [s] of flights, ``(n,)``.
+        """Return the dynamic pressure q/q_n encountered at n times [s] of flights, ``(n,)``.
 
         `which`: indices of the flights, ``(n,)``.
         """

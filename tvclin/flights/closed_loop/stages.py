@@ -136,7 +136,7 @@ class Stages:
 
     @cached_property
     def laws(self) -> Autopilot:
-        """Autopilots at the samples of all flights, ``(n,)`` or one for all."""
+        """Autopilots at the n samples of all flights, a batch ``(n,)``, or one for all."""
         return self.flown_laws(np.minimum(self.times, self.stops[self.flight]), self.flight)
 
     @cached_property

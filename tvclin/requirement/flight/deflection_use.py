@@ -188,7 +188,7 @@ class DeflectionUse(Tabled):
 
     @property
     def by_heading(self) -> dict[str, FloatArray]:
-        """Requirements, used and remaining deflection [rad] by their headings, ``(n,)``."""
+        """Requirements, used and remaining deflection [rad] at n flight times, by heading."""
         required = {heading_of(label): values for label, values in self.required.items()}
         return {**required, "used": self.used, "remaining": self.remaining}
 
