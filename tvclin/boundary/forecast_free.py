@@ -264,7 +264,7 @@ def forecast_free_limit(
     stable = np.broadcast_to(np.isnan(fast[..., 0]), shape)
     pole = np.where(real & ~np.isnan(fast), np.real(fast), 1.0)
     B = np.asarray(plant.coefficients.B)[..., np.newaxis]
-    # K1 of the fast pole: factor from W to the bound
+    # K1 of the fast pole, N_wind(p)/N_deflection(p) over B: factor from W to the bound
     strength = np.where(real, np.abs(wind_over_deflection(plant, pole) / B), np.nan)
     strength = np.where(stable, 0.0, np.broadcast_to(strength[..., 0], shape))
     pole = np.broadcast_to(pole[..., 0], shape)

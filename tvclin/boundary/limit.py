@@ -130,7 +130,8 @@ class ExitProblem:
         """Winds over their peaks, the wind index of each of n cases, and its parameters.
 
         The parameters are pole [1/s], dead band K, and b1 [1/s], b2 [1/s] and q [1/s^2] of the
-        filter from wind to trim, -B (s^2 + b2 s + q)/(s^2 + b1 s + q), ``(n, 5)``.
+        filter (s^2 + b2 s + q)/(s^2 + b1 s + q) from -B alpha_w to trim, ``(n, 5)``, B being trim
+        deflection per angle of attack.
         """
         winds, which = kernel_arrays((self.wind * (1.0 / self.wind.peak)).pieces, self.shape)
         filtering = self.plant.trim_filter

@@ -257,7 +257,7 @@ def _limit_after_trim(
     is zero, of its shape. Zero for K = 0, K = 1, fewer than two modes, and two that are a pair.
 
     A limit L diverges if the minimum peak over all unstable modes, after trim up to K L, exceeds L.
-    Inside, limits are normalised by B alpha_w,max.
+    Inside, limits are normalised by B alpha_w,max, static trim.
     """
     poles, shape = unstable_poles(plant), smallest.shape
     if poles.shape[-1] < 2 or not np.any((dead_band > 0.0) & (dead_band < 1.0)):

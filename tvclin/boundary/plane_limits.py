@@ -493,9 +493,9 @@ def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str)
     """Return the limit of one `pair` of plants and wind, at the dead band `K` and exit `switch`.
 
     The exit is where the nozzle leaves the dead band. `switch`: "literal" where trim reaches K
-    times the limit, else where B alpha_w does, which on a fixed path is the same. Ratios are to
-    B alpha_w,max; `y` of the requirement is this ratio where it is exact. A plane without wind has
-    an infinite `onset`.
+    times the limit, else where B alpha_w does, which on a fixed path is the same: B is the ratio of
+    trim deflection to angle of attack. Ratios are to B alpha_w,max; `y` of the requirement is this
+    ratio where it is exact. A plane without wind has an infinite `onset`.
     """
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
     requirement = two_plane_requirement(pair, limit_shape, (K,), literal)[0]

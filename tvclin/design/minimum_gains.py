@@ -446,7 +446,7 @@ def _notes(
     trim = problem.trims.max()  # largest static trim [rad] of the winds
     if problem.has_alpha:
         a0, b0 = float(autopilot.attitude_gain), float(autopilot.alpha_gain)
-        # Size of alpha/alpha_w in a steady wind before the path has changed.
+        # alpha/alpha_w in a steady wind before the path has changed; B alpha is the trim deflection
         ratio = a0 / (a0 + b0 - float(problem.plant.coefficients.B))
         if ratio < _MIN_ALPHA_RATIO:
             notes.append(

@@ -331,9 +331,9 @@ class _Case:
     ) -> Worst:
         """Return the minimum of a value in the box.
 
-        `corners`: of the unit box, ``(2^k, k)``. `value`: function from parameter values ``(n,)``
-        by name to ``(n,)``. `proved`: whether a corner is proved to be the minimum, so that nothing
-        is searched.
+        `corners`: of the unit box of k numbers, ``(2^k, k)``. `value`: function from n values of
+        each number ``(n,)`` by name to ``(n,)``. `proved`: whether a corner is proved to be the
+        minimum, so that nothing is searched.
         """
         nominal = float(value({}))  # no number other than nominal
         edges = np.broadcast_to(value(self.values(corners)), len(corners))

@@ -247,7 +247,7 @@ def comparison_chart(comparison: TrimComparison) -> "ControlPlot":
     # without samples, as the peaks of the comparison
     answer = c.autopilot.continuous.wind_response(c.plant, c.wind)
     rows = dict(zip(answer.labels, np.degrees(answer(times)), strict=True))
-    wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)
+    wind, B = np.degrees(c.wind(times)), float(c.plant.coefficients.B)  # trim is -B times the wind
     sign = -float(np.sign(B * c.wind.peak))  # that of trim; limits are sizes [rad]
     levels = {f"boundary K = {K:g}": limit for K, limit in c.boundaries.items()}
     levels[WIND_KNOWN] = c.minimum

@@ -173,7 +173,7 @@ def required_deflection(
         governs = np.where(larger, name, governs)
         required = np.where(larger, needs[name], required)
     governs = np.where(required == 0.0, Reason.NOTHING, governs)
-    full = -np.asarray(plant.coefficients.B) * wind.peak
+    full = -np.asarray(plant.coefficients.B) * wind.peak  # static trim with its sign [rad]
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, no wind angle to trim
         limit = np.where(required == 0.0, 0.0, required / np.abs(full))
     return RequiredDeflection(

@@ -328,7 +328,7 @@ class LoadProgram:
         """
         case, n = self.case, self.widths.size
         if case.ratio == 0.0:  # M: the load is the angle of attack alone
-            _, high, low = self._loads
+            _, high, low = self._loads  # largest and smallest load with variables of zero
             node_weights, density_ends = np.append(0.0, weights), np.zeros((2, n))
             # at each node the load without the variables on the side that the weight's sign bounds
             weighted_load = float(weights @ np.where(weights > 0.0, high, low)) * self._unit

@@ -140,6 +140,7 @@ def margin_bounds(
     M = float(np.exp(min(pole * time, 700.0)))  # e^700: without overflow
     lag = pole * (time + nozzle_delay)
     root = float(np.sqrt(min(lag, 1.0)))
+    # attitude gain of the rule, B/root: B is the ratio of trim deflection to angle of attack
     stiffness = float(plant.coefficients.B) / root if root else np.inf
     return MarginBounds(
         pole=pole,

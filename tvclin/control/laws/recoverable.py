@@ -142,7 +142,8 @@ class RecoverableAttitudeLaw(Law):
             slow_rate=slow_rate,
             slow_path=slow_path,
             ratio=modes.ratio,
-            wind=float(modes.wind[0]),  # k = K1 of the fast mode, z' = s (z - u - k w)
+            # k = K1 of the fast mode, z' = s (z - u - k w): u is deflection/B, w the wind angle
+            wind=float(modes.wind[0]),
             B=float(self.plant.coefficients.B),
             reach=self.reach,
             gain=self.gain,

@@ -383,7 +383,7 @@ def flown_plane_limit(
     low, high = (number(n, v, positive) for n, v in (("lowest", lowest), ("highest", highest)))
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
-    scale = abs(float(np.asarray(plant.coefficients.B))) * float(wind.peak)
+    scale = abs(float(np.asarray(plant.coefficients.B))) * float(wind.peak)  # static trim [rad]
 
     shape: dict[str, Any] = {"limit_shape": limit_shape, "saturate": saturate}
     flown = partial(fly_planes, plant, law, wind, sample_rate=sample_rate, **shape, **flight)
