@@ -88,7 +88,7 @@ class UnstableCoordinates:
 
         The ends lie on the two paths that reach equilibrium with one switch of the full deflection.
         `fast`: coordinate [rad] of the fast pole, of a size up to `reach`. `reach`: deflection
-        limit over B [rad].
+        limit over B [rad], the angle of attack that it trims.
         """
         # `slow_edges` takes and returns coordinates over `reach`, at a ratio of slow to fast pole
         low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)

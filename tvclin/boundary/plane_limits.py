@@ -204,15 +204,16 @@ def _requirement_after_trim(
     def trimmed_minimum(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
-        Trim ends where the gauge of the driver (trim, or on the wind -B alpha_w) first reaches K L:
-        `gauges` has it at `times` [s]. The bound, of separate planes, is taken if it is
-        `sufficient` [rad] or m is not `solved`.
+        Trim ends where the gauge of the driver (trim, or on the wind -B alpha_w, trim without
+        drift) first reaches K L: `gauges` has it at `times` [s]. The bound, of separate planes, is
+        taken if it is `sufficient` [rad] or m is not `solved`.
         """
 
         def excess(t: float) -> float:
             """Return the gauge of the driver, trim or -B alpha_w, less K `limit` [rad], at `t` [s].
 
-            The gauge is the limit whose `limit_shape` just contains it; B alpha is trim.
+            The gauge is the limit whose `limit_shape` just contains it; -B alpha_w is trim without
+            drift.
             """
             return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
@@ -345,8 +346,8 @@ def _dead_band_exit(
         """Return the margin [rad] of the driver over the dead band at times `t` [s].
 
         A gauge is the limit [rad] whose shape just contains a deflection. The margin is the gauge
-        of the driver (trim, or -B alpha_w), at least `floor` [rad], minus K times the gauge of the
-        constant deflection required from `t` on; it is zero at the exit.
+        of the driver (trim if `literal`, else -B alpha_w, trim without drift), at least `floor`
+        [rad], minus K times that of the constant deflection required from `t` on; zero at the exit.
         """
         driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))

@@ -55,7 +55,7 @@ def print_sweep(source: str, loop: FlightLoop, more: bool, shown: ShownCurves) -
     note_omissions(loop.plan, "margins", "margins without --limit-deg", "margins without a wind")
     with waiting("margins"):
         swept = loop.sweep()
-    # `changes`: the detuned modes; the vehicle of each flight time is frozen
+    # `changes`: of detuned modes; at each flight time the parameters are frozen
     notes = [*loop.notes, *([_DETUNED] if swept.changes else []), _FROZEN_NOTE]
     if shown.csv is not None:
         swept.to_csv(shown.csv)

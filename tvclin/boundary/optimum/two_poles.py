@@ -201,7 +201,8 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     usable = np.all((np.imag(poles) == 0.0) & ~np.isnan(poles), axis=-1)
     slow, fast = (np.where(usable, np.real(poles[..., i]), 1.0 + i) for i in (1, 0))
     with np.errstate(invalid="ignore"):  # complex NaN stands for a pole that is not there
-        K = np.real(modes.wind_residues / modes.deflection_residues)  # B K1 of each pole
+        # B K1_i of each pole: N_wind/N_deflection of the attitude there
+        K = np.real(modes.wind_residues / modes.deflection_residues)
     ratio = np.where(usable, K[..., 1] / K[..., 0], 1.0)
     usable &= ratio > 0.0
     duration = longest_single_pole_duration(slow, fast, np.where(usable, ratio, 1.0))

@@ -305,6 +305,7 @@ def concurrent_trim(
 ) -> ConcurrentTrim:
     """Return the largest trim ``|B(t) alpha_w(t)|`` [rad] around each flight time, ``(n, m)``.
 
+    B is trim deflection per angle of attack.
     `times`: n flight times [s]. `winds`: m winds by name; `placing`: "flight" for a wind in flight
     time, "peak" for one whose peak is moved to each flight time, of which the trim is NaN.
     `planes`: one plane or both; with both `limit_shape` measures the vector of trim. `known`:

@@ -190,7 +190,10 @@ class Sizing(Tabled):
 
     @property
     def steady(self) -> BoolArray:
-        """Whether beta and B change by at most a tenth during the wind, ``(n, m)``."""
+        """Whether beta and B change by at most a tenth during each of m winds, ``(n, m)``.
+
+        beta is sqrt(abs(mu_alpha)) [1/s], B the ratio of trim deflection to angle of attack.
+        """
         return np.asarray((self.change <= STEADY) & self.covered)
 
     @property

@@ -254,9 +254,10 @@ def _required(
 def _validity_cells(sizing: Sizing, i: int, wind: int | None) -> list[Line]:
     """Return the cells of validity of the requirements at a flight time.
 
-    In one wind they are the relative change of beta or B during the wind [%], whether a single pole
-    is sufficient, and whether the schedule covers the wind; in the worst wind a cell of marks.
-    `i`: index of the flight time. `wind`: index of a wind, None for the worst.
+    In one wind they are the relative change of beta (rate of the attitude) or B (trim deflection
+    per angle of attack) during the wind [%], whether a single pole is sufficient, and whether the
+    schedule covers the wind; in the worst wind a cell of marks. `i`: index of the flight time.
+    `wind`: index of a wind, None for the worst.
     """
     if wind is not None:
         change = number(f"{_key(i, wind)}.change_percent", 100.0 * sizing.change[i, wind], 1)
