@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from tvclin.winds.soundings.profile import WindProfile
 
 
-DIRECTED = "a sounding, --winds FILE, or a wind with a direction, --set wind.direction_deg 270"
+_DIRECTION = "a wind with a direction, --set wind.direction_deg 270"
+DIRECTED = f"a sounding, --winds FILE, or {_DIRECTION}"
 """Winds that need the direction of flight."""
 
 
@@ -54,6 +55,7 @@ class PulseOptions(_Pulse):
     )
 
     panel = "Wind"
+    directed = f"{_DIRECTION}; tvclin ascent and tvclin fly also take a sounding, --winds FILE"
 
     def __post_init__(self) -> None:
         """Raise `InputError` for two peaks."""
@@ -83,7 +85,7 @@ class PulseOptions(_Pulse):
             peak=peak,
         )
         if wind.heading is None and not _has_soundings(plan):
-            only_with(DIRECTED, azimuth_deg=self.azimuth_deg)
+            only_with(self.directed, azimuth_deg=self.azimuth_deg)
         if self.peak_speed is not None:
             vehicle = complete_vehicle(plan.vehicle, "--peak-speed")
             speed = number("--peak-speed", self.peak_speed, nonzero, "m/s")
@@ -95,6 +97,7 @@ class PulseOptions(_Pulse):
 class WindOptions(PulseOptions):
     """Options of a pulse or a sounding; `grouped` gives them to a command."""
 
+    directed = DIRECTED
     winds: Path | None = option(
         "A sounding, in place of a pulse, around the vehicle's time of flight; with --azimuth-deg."
         " Its format, window, ...: --set sounding.KEY VALUE.",
@@ -183,6 +186,7 @@ class WindOptions(PulseOptions):
 class FlightOptions(PulseOptions):
     """Options of a pulse whose peak comes at each flight time, and of soundings."""
 
+    directed = DIRECTED
     winds: list[Path] | None = option(
         "A sounding to fly through, with --azimuth-deg, or a folder or a station file of several;"
         " may be given several times. Its format, window, ...: --set sounding.KEY VALUE.",
