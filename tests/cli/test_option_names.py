@@ -101,6 +101,12 @@ def test_a_count_of_one_is_singular_and_zero_has_no_minus():
         ("study --verbose", "tvclin study: no option --verbose; see tvclin study --help"),
         ("study --jsn", "tvclin study takes no --jsn: did you mean --json or --sign?"),
         ("stdy", "no such command 'stdy'"),
+        ("fly --gust 1 2", "tvclin fly takes no --gust: --set gust.peak_deg VALUE gives it"),
+        ("boundary --gust-duration 2", "takes no --gust-duration: --set gust.duration_s VALUE"),
+        (
+            "study --azimuth-deg 90",
+            "--azimuth-deg needs a wind with a direction, --set wind.direction_deg 270; tvclin",
+        ),
         ("study a b", "tvclin study: got unexpected extra argument"),
         ("import table", "tvclin import table: missing argument 'file'"),
         ("nozzle --from 3", "--from needs --over flight"),

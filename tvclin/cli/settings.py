@@ -226,13 +226,21 @@ def _quantity(key: str) -> str:
 
 
 def similar_key(option: str) -> str | None:
-    """Return the first key of a study file with the name of an unknown option; None if none."""
+    """Return the first key of a study file with the name of an unknown option; None if none.
+
+    A table of that name has its first key, and a key may have its table before it: --gust-peak.
+    """
     from tvclin.studyfile.keys import all_keys
 
     name = without_unit(option.strip("-").replace("-", "_"))
-    names = ((key.name, key.name.rpartition(".")[2]) for key in all_keys())
-    # equal but for a unit, or the begin of a name up to an underscore
-    return next((key for key, quantity in names if f"{quantity}_".startswith(f"{name}_")), None)
+    keys = [key.name for key in all_keys()]
+    quantities = [key.rpartition(".")[2] for key in keys]
+    for names in (quantities, [key.replace(".", "_") for key in keys]):
+        # equal but for a unit, or the begin of a name up to an underscore
+        for key, full_name in zip(keys, names, strict=True):
+            if f"{full_name}_".startswith(f"{name}_"):
+                return key
+    return None
 
 
 def field_key(option: str) -> str | None:
