@@ -1,10 +1,15 @@
 """A gust comes when it asks for most."""
 
+import json
+
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.turns import usual
+from tvclin.cli.app import app
+from tvclin.requirement.study import GUST_NEARER_TO_PEAK
 
 GUST = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)
 SHAPES = {"triangular": tv.TriangularWind, "rectangular": tv.RectangularWind}
@@ -61,3 +66,14 @@ def test_a_note_says_that_a_gust_nearer_to_the_peak_of_a_head_wind_may_require_m
     noted = any("nearer to the peak of a strong head wind" in note for note in result.notes)
     assert noted == (max(later) > result.required_deflection * 1.003)
     assert noted
+
+
+@pytest.mark.parametrize(
+    ("options", "noted"), [((), True), (("--set", "study.sign", "tail"), False)]
+)
+def test_a_flight_notes_it_where_a_head_wind_counts(options, noted) -> None:
+    gust = ["--set", "gust.peak_deg", "1", "--set", "gust.duration_s", "2", "--dead-band", "0.5"]
+    arguments = ["ascent", "configuration-i", "--from", "66", "--to", "66", *gust, *options]
+    result = CliRunner().invoke(app, [*arguments, "--peak-deg", "5", "--json"])
+    notes = json.loads(result.stdout)["notes"]
+    assert any(GUST_NEARER_TO_PEAK in note for note in notes) == noted

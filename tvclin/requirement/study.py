@@ -65,6 +65,11 @@ OUTLASTS = "is too long for the single-pole theory"
 """Words on a wind in the notes of a study."""
 TRUSTS = "trusts a forecast"
 """Words on a dead band in the notes of a study."""
+GUST_NEARER_TO_PEAK = (
+    "nearer to the peak of a strong head wind it may require more, by up to some 20 percent: try"
+    " other times"
+)
+"""Words on a gust that was placed at nominal dynamic pressure."""
 
 
 def vehicle_warnings(vehicle: AnyVehicle) -> Iterator[str]:
@@ -162,10 +167,7 @@ def gust_placed(specified: ShapedWind, need: CaseRequirement) -> Iterator[str]:
         " another)"
     )
     if need.direction == "head":
-        note += (
-            "; nearer to the peak of a strong head wind it may require more, by up to some 20"
-            " percent: try other times"
-        )
+        note += f"; {GUST_NEARER_TO_PEAK}"
     yield note
 
 
