@@ -440,8 +440,10 @@ def _titled(title: str, table: Table, *others: Table) -> tuple[Table, ...]:
 
 _QUESTION = "nozzle --over flight"
 _FROZEN_DUTY = (
-    "is flown with the vehicle frozen at each flight time; tvclin ascent judges with parameters"
-    " that vary along the flight, and may find a limit sufficient that does not survive here"
+    "is flown with the vehicle frozen at each flight time, in a head wind at its largest dynamic"
+    " pressure throughout, and through the dynamics of the nozzle; tvclin ascent judges the ideal"
+    " trim law, with pressure and vehicle varying, and may find a limit sufficient that does not"
+    " survive here"
 )
 _USED = (
     "used is what the law uses in its samples, within the limits, at least the lower bound; the"
