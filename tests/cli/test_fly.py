@@ -408,6 +408,9 @@ def test_a_part_of_a_sounding_is_said_to_be_one():
     said = "of wyoming.txt the 20 s about the vehicle's own time count, cut with steps of 4.26 and"
     for window in ((), ("--set", "sounding.window_s=20")):
         assert said in " ".join(run(*sounding, *window).stderr.split())
+    cut = "survives this part of the sounding, cut to 20 s with steps at its ends, with less"
+    bound = CliRunner().invoke(app, ["boundary", "configuration-i", *map(str, sounding)]).stdout
+    assert cut in " ".join(bound.split())
     wide = " ".join(run(*sounding, "--set", "sounding.window_s=60").stderr.split())
     assert "own time count" not in wide
 

@@ -37,6 +37,9 @@ TAU_BETA = [0.5, 1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 20.0]
 DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
 _IN_WIND = "a vehicle and no --tau-beta (tvclin boundary VEHICLE)"
 """What an answer in the wind of a case takes."""
+_CUT = "this part of the sounding, cut to {:g} s with steps at its ends,"
+_OF_CUT = "; the whole sounding may require less"
+"""Condition of the minimum peak in a sounding whose window begins or ends with a step."""
 
 
 def boundary(
@@ -200,8 +203,11 @@ def print_in_wind(
     )
     required = study_requirement(case, case.dead_band)
     by_dead_band, notes = _required(plant, wind, dead_bands)
-    measured = isinstance(case.wind, SoundingWind)
-    verdict = known_wind.verdict("this part of the sounding" if measured else "this wind")
+    verdict = known_wind.verdict("this wind")
+    if isinstance(case.wind, SoundingWind):
+        verdict = known_wind.verdict("this part of the sounding")
+        if np.any(case.wind.steps(case.vehicle, case.plane)):
+            verdict = known_wind.verdict(_CUT.format(case.wind.window)) + _OF_CUT
     verdict += f"; {required.see_study}" if required else ""
     of_dead_bands = {"boundaries": _document(dead_bands, by_dead_band), "notes": notes}
     answer(
