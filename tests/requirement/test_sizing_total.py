@@ -131,6 +131,8 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     assert total.sufficient is False
     words = " ".join(text(line) for line in total.verdict)
     assert "NOT SUFFICIENT at this rate limit" in words
+    assert total.no_ramp
+    assert total.words.endswith("without the rate limit, at which no deflection is sufficient")
     assert f"required rate {np.degrees(total.needed_rate):.3f} deg/s" in words
     assert tv.requirement.worst_total(sizing, "K = 1", rate_limit=1e-3).sufficient is False
 

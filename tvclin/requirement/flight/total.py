@@ -179,7 +179,8 @@ class DeflectionTotal(Shown):
         if self.lines:
             known = " of those that are known" if self.not_sized else ""
             where = at_time(self, "the", known)
-            clauses.append(f"budget {np.degrees(self.required):.3f} deg{where}")
+            omitted = f", {WITHOUT_RATE}" if self.no_ramp else ""
+            clauses.append(f"budget {np.degrees(self.required):.3f} deg{where}{omitted}")
         return "; ".join(clauses)
 
     @property
@@ -209,6 +210,14 @@ class DeflectionTotal(Shown):
     def too_slow(self) -> bool:
         """Whether the rate limit is below the required rate."""
         return self.rate_limit is not None and self.needed_rate > self.rate_limit * (1.0 + 1e-9)
+
+    @property
+    def no_ramp(self) -> bool:
+        """Whether no ramp at the rate limit is sufficient, whatever its deflection.
+
+        The total is then without a contribution of the rate limit, which would be infinite.
+        """
+        return self.too_slow and all(line.name != RATE_LINE for line in self.lines)
 
     @property
     @derived(card=False, document=False)
@@ -241,7 +250,8 @@ def total_table(total: DeflectionTotal) -> Table:
     """
     wind = f"wind, {total.counted}" if total.counted else "wind"
     rows = rows_of(total, "total", wind)
-    rows.append((("total",), (SUMS,), degrees("total.total", total.total)))
+    label = f"total, {WITHOUT_RATE}" if total.no_ramp else "total"
+    rows.append(((label,), (SUMS,), degrees("total.total", total.total)))
     if total.reserve:
         reserve = significant("total.reserve_percent", 100 * total.reserve, unit="%")
         needed = degrees("total.required", total.required)
@@ -281,6 +291,10 @@ def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...
     ]
 
 
+RATE_LINE = "rate limit"
+"""Name of the contribution of a rate limit."""
+WITHOUT_RATE = "without the rate limit, at which no deflection is sufficient"
+"""Condition of a total to which no ramp at the rate limit contributes."""
 SAME = 1e-9
 """Relative difference below which two totals count as equal."""
 _TIME_TOLERANCE = 1e-6
@@ -424,8 +438,9 @@ def worst_total(
             rate_limit=rate_limit,
             needed_rate=np.nan,
         )
-    # a time at which the nozzle is too slow is worse than any other
-    worst = max(totals, key=lambda total: (total.too_slow, total.total))
+    # a time at which no ramp is sufficient is worse than one at which the nozzle is too slow, and
+    # that than any other
+    worst = max(totals, key=lambda total: (total.no_ramp, total.too_slow, total.total))
     needed = max(total.needed_rate for total in totals)
     # an end of the flight is named only where the totals of all other times are smaller
     others = max((total.total for total in totals if total.time != worst.time), default=np.inf)
@@ -529,7 +544,7 @@ def _at_rate(
         others = total.total - wind
         available = (1.0 - total.reserve) * total.limit - others
         needed_rate = float(ramp_rate(wind, pole, available))
-    lines = (*total.lines, Line("rate limit", excess)) if np.isfinite(excess) else total.lines
+    lines = (*total.lines, Line(RATE_LINE, excess)) if np.isfinite(excess) else total.lines
     return replace(total, lines=lines, rate_limit=rate_limit, needed_rate=needed_rate)
 
 
