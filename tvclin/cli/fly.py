@@ -164,7 +164,9 @@ def fly(
 
     --law autopilot also prints the autopilot requirement, the smallest limit from which on every
     limit survives, flown with samples, delay, actuator, filters, bending and rate limit, and
-    compares the autopilot with trim. --law all prints the limit that each law requires in standard
+    compares the autopilot with trim. The law report holds its limit until the wind ends, which
+    turns the vehicle far to the other side; tvclin respond lets go of it as soon as the attitude is
+    back at zero. --law all prints the limit that each law requires in standard
     winds, or in that of --wind or --winds; it takes about a second for each law and wind.
 
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that

@@ -213,7 +213,8 @@ def respond(
     """Print the attitude response to a wind, with ideal trim up to the dead band, then the limit.
 
     It is exact, and at nominal dynamic pressure; tvclin study is the verdict on a limit, and tvclin
-    fly has the control laws that can be built.
+    fly has the control laws that can be built. Its law report holds the limit until the wind ends;
+    here it is let go as soon as the attitude is back at zero, so that the largest attitude is less.
 
     Exit code 0: answered; 2: bad input.
     """
