@@ -319,9 +319,8 @@ class SizingRequest:
     def counted(self, sizing: Sizing, sign: str | None = None) -> Requirement:
         """Return the requirement that enters the total for the wind, unless `count` names it.
 
-        It is of the largest dead band; with varying parameters if these are known wherever frozen
-        ones are; at the dynamic pressure encountered in a wind of direction `sign`, by default the
-        possible direction that requires most, and with `FROZEN` at the nominal one.
+        It is of the largest dead band, with varying parameters if known wherever frozen ones are,
+        in a wind of direction `sign`: by default the worst; `FROZEN` is the nominal pressure.
         """
         if self.count is not None:
             return requirement_among("count", self.count, sizing.required)
