@@ -142,3 +142,29 @@ def test_a_command_line_that_cannot_be_read_is_one_sentence(
     assert message.startswith("Error: ")
     assert said.format(folder=folder) in message
     assert "──" not in message
+
+
+@pytest.mark.parametrize(
+    ("keys", "options", "said"),
+    [
+        ("damping = 0.7", "", "design poles needs autopilot.natural_frequency_rad_per_s, in"),
+        ("attitude_gain = 1", "", "need autopilot.attitude_gain and autopilot.rate_gain_s, both"),
+        ("damping = 0.7", "--damping 0.6", "design poles needs --natural-frequency, in rad/s"),
+        (
+            "damping = 0.7",
+            "--set autopilot.damping 0.6",
+            "design poles needs --set autopilot.natural_frequency_rad_per_s, in rad/s",
+        ),
+        ("delay_ms = 5", "--damping 0.6", "design poles needs --natural-frequency, in rad/s"),
+    ],
+)
+@pytest.mark.parametrize("command", ["study", "margins", "fly"])
+def test_an_error_about_gains_names_keys_where_the_file_gives_them(
+    command: str, keys: str, options: str, said: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "s.toml"
+    wind = "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+    file.write_text(f'[study]\nvehicle = "{V}"\n{wind}[autopilot]\n{keys}\n')
+    result = CliRunner().invoke(app, [command, str(file), *options.split()])
+    assert result.exit_code == 2
+    assert said in " ".join(result.stderr.split())

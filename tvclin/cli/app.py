@@ -101,7 +101,7 @@ def _named(command: Any) -> Any:
             check_settings(options, values)
             return run(*arguments, **values)
         except ValueError as error:
-            keys = keys_of_arguments(values.get("settings"))
+            keys = keys_of_arguments(options, values)
             raise named(faulty_key(error, values), options, values, keys) from None
 
     command.callback = None if run is None else call

@@ -5,7 +5,8 @@ names the option, or the key, that gives the argument.
 """
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import wraps
 from inspect import Parameter, Signature, signature
 from typing import Annotated, Any
@@ -201,21 +202,48 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
     return InputError(message)
 
 
-def keys_of_arguments(settings: Iterable[str] | None) -> dict[str, str]:
-    """Return the keys of arguments in the study file, with table and unit, by the argument's name.
+def keys_of_arguments(options: Iterable[Any], values: Mapping[str, Any]) -> dict[str, str]:
+    """Return the keys of arguments in the study file, as messages name them, by argument.
 
-    `settings`: keys and values of --set; the keys are those of the tables that it changes. Where
-    several give an argument of one name, the first that is set counts, or else the first.
+    They are those of the tables that --set changes, "--set autopilot.damping", and of the tables of
+    the file, "autopilot.damping", of which no option is given. Where several give an argument of
+    one name, the first that is set counts, or else the first. `options`: parameters of a command.
+    `values`: their values, by parameter.
     """
-    if not settings:
-        return {}
     from tvclin.studyfile.keys import all_keys
 
-    set_keys = [key for key, _ in pairs(settings)]
-    tables = {key.partition(".")[0] for key in set_keys}
-    keys_of_tables = [key.name for key in all_keys() if key.name.rpartition(".")[0] in tables]
-    # by the name without table and unit; of equal names the last replaces the others, so reversed
-    return {_quantity(key): key for key in reversed([*set_keys, *keys_of_tables])}
+    set_keys = [key for key, _ in pairs(values.get(_PARAMETER) or ())]
+    flags = [option.opts[0] for option in options if is_set(option, values)]
+    option_keys = _WIND_KEYS | _OTHER_KEYS | _field_keys()
+    of_options = {key.partition(".")[0] for flag in flags for key in option_keys.get(flag, ())}
+    file_tables = {k: v for k, v in _tables_of_file(values).items() if k not in of_options}
+    file_keys = [f"{home}.{key}" for home, table in file_tables.items() for key in table]
+
+    def completed(keys: Iterable[str], homes: Collection[str]) -> dict[str, str]:
+        """Return the keys by name without table and unit: `keys`, or others of tables `homes`."""
+        others = [key.name for key in all_keys() if key.name.rpartition(".")[0] in homes]
+        # of equal names the last replaces the others, so reversed
+        return {_quantity(key): key for key in reversed([*keys, *others])}
+
+    of_set = completed(set_keys, {key.partition(".")[0] for key in set_keys})
+    return completed(file_keys, file_tables) | {k: f"--set {key}" for k, key in of_set.items()}
+
+
+def _tables_of_file(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the tables of a study file by heading but repeated ones; empty for another source.
+
+    `values`: values of arguments and options of a command, of which one may be its source.
+    """
+    from tvclin.vehicle.vehicle_file import source_tables
+
+    source = next((values[name] for name in _SOURCES if values.get(name)), None)
+    if source is None:
+        return {}
+    with suppress(InputError):  # the file itself may be at fault
+        tables = source_tables(source)
+        if "study" in tables:
+            return {home: table for home, table in tables.items() if isinstance(table, dict)}
+    return {}
 
 
 def _quantity(key: str) -> str:
@@ -312,8 +340,8 @@ def named(
     """Return the error of a command with options in its message in place of arguments.
 
     Errors other than `InputError` stay. `options`: typer's parameters of the command. `values`:
-    their values, by parameter. `keys`: keys of --set by the argument that they give, for arguments
-    of which no option is on the command line.
+    their values, by parameter. `keys`: keys of the study file by the argument that they give, as
+    the message names them, for arguments of which no option is on the command line.
     """
     if not isinstance(error, InputError):
         return error
@@ -322,7 +350,7 @@ def named(
     candidates = _candidates(flags)  # options that may give each argument
     for name, key in keys.items():
         if not set(candidates.get(name, ())) & set(set_flags):
-            candidates[name] = (f"--set {key}",)
+            candidates[name] = (key,)
     return InputError(in_options(str(error), candidates, set_flags))
 
 
