@@ -347,7 +347,8 @@ def _dead_band_exit(
 
         A gauge is the limit [rad] whose shape just contains a deflection. The margin is the gauge
         of the driver (trim if `literal`, else -B alpha_w, trim without drift), at least `floor`
-        [rad], minus K times that of the constant deflection required from `t` on; zero at the exit.
+        [rad], minus K times the gauge of the constant deflection required from `t` on. It is zero
+        at the exit.
         """
         driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))

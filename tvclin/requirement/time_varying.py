@@ -311,9 +311,9 @@ def varying_requirement(
     peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
-    # a constant limit may drive the vehicle in either direction where unstable modes are a pair, or
-    # the moment or the effect of the deflection changes its sign: then trim must never exceed K
-    # times the limit
+    # a constant limit may drive the vehicle in either direction where unstable modes are a pair at
+    # any step, or the moment or the effect of the deflection changes its sign: then trim must never
+    # exceed K times the limit
     without_exit = np.any(paired, axis=(1, 2)) | equations.reverses
     with np.errstate(divide="ignore", invalid="ignore"):
         within_dead_band = np.where(without_exit & (trim > 0.0), trim / dead_band, 0.0)
@@ -410,11 +410,12 @@ def _of_flights(
     equations = winds.equations
     # whether flights decide each requirement, and the lowest limits [rad] that they try
     flown, lowest = decided_by_flights(equations, trim_and_demand, limit)
-    finite = np.isfinite(trim_and_demand.demand[:, 0, 0])
+    finite = np.isfinite(trim_and_demand.demand[:, 0, 0])  # at the onset
     required = np.maximum(limit, minimum)
     if not np.any(finite & (flown | equations.drifts)):
         return required
-    confirmed = np.flatnonzero(finite & ~flown & ~np.any(equations.paired, axis=(1, 2)))
+    paired = np.any(equations.paired, axis=(1, 2))  # at any begin, middle or end of a step
+    confirmed = np.flatnonzero(finite & ~flown & ~paired)
     if equations.drifts and confirmed.size:
         times, wind, ratio = (_at_substeps(x) for x in (winds.times, winds.wind, winds.ratio))
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
@@ -466,7 +467,7 @@ def decided_by_flights(
     changes = np.broadcast_to(equations.changes_sign, limit.shape)
     lowest = np.where(changes, _MIN_RATIO_SIGN_CHANGE * trim_and_demand.largest_trim, lowest)
     quick = equations.quick_path & equations.drifts
-    for_a_while = np.any(equations.paired, axis=(1, 2))
+    for_a_while = np.any(equations.paired, axis=(1, 2))  # at any begin, middle or end of a step
     never_limited = for_a_while & (limit >= _ALL_OF_TRIM_FRACTION * trim_and_demand.largest_trim)
     lowest = np.where(for_a_while, limit, lowest)
     return (two_signs | second_interval | quick | changes) & ~never_limited, lowest

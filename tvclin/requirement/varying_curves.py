@@ -94,7 +94,7 @@ class Curves:
     @cached_property
     def has_two_signs(self) -> BoolArray:
         """Whether each of the n winds changes its sign, ``(n,)``."""
-        low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))
+        low, high = self.wind.min(axis=(1, 2)), self.wind.max(axis=(1, 2))  # over all steps
         return np.asarray(np.minimum(-low, high) > _OPPOSITE_FRACTION * np.maximum(-low, high))
 
     @property
@@ -124,7 +124,7 @@ class Curves:
         """
         trim = self.trim
         begin, middle, end = np.moveaxis(sign * trim, -1, 0)
-        largest = (sign * trim).max(axis=(1, 2))
+        largest = (sign * trim).max(axis=(1, 2))  # over steps, and begin, middle and end
         # the parabola is within an eighth of its second difference of its chords
         second_difference = np.abs(begin - 2.0 * middle + end)
         bound = np.maximum(np.maximum(begin, end), middle) + 0.125 * second_difference
@@ -211,9 +211,9 @@ class Curves:
     def limit_of_dead_band(self, dead_band: float) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] with a dead band K < 1, as a size, and the time [s] of its exit.
 
-        Both are ``(n,)``; the limit is NaN for a wind of two signs. The demand at a time is the
-        limit that is sufficient when held from then on. The dead band is left, and the limit held,
-        at a new maximum of trim that is K times the demand: the limit is the demand then. Of
+        Both are ``(n,)`` of n winds; the limit is NaN for a wind of two signs. The demand at a time
+        is the limit that is sufficient when held from then on. The dead band is left, and the limit
+        held, at a new maximum of trim that is K times the demand: the limit is the demand then. Of
         several such times the last has the largest limit. With K = 0 the exit is the onset.
         """
         if dead_band == 0.0:

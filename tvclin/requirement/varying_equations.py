@@ -107,7 +107,7 @@ def sign_changes(nominal: FloatArray) -> BoolArray:
     `nominal`: equations E = [A b w] at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
     """
     moment = nominal[..., 1, 0]  # mu_alpha [1/s^2]: row of the attitude rate, column of attitude
-    low, high = moment.min(axis=(1, 2)), moment.max(axis=(1, 2))
+    low, high = moment.min(axis=(1, 2)), moment.max(axis=(1, 2))  # over all steps
     return np.asarray(np.minimum(-low, high) > _ZERO_MOMENT_FRACTION * np.maximum(-low, high))
 
 

@@ -170,7 +170,7 @@ class PlaneMarch:
         E = equations.nominal
         # with the deflection that makes the angular acceleration due to the path angle zero
         path_rate = E[..., 2, 2] - E[..., 2, -2] / E[..., 1, -2] * E[..., 1, 2]
-        mu_alpha = E[..., 1, 0]
+        mu_alpha = E[..., 1, 0]  # row of the attitude rate, column of attitude
         return bool(np.any(mu_alpha < 0.0) or np.any(path_rate > 0.0))
 
     def _limit_at_levels(

@@ -99,7 +99,7 @@ def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """
     with np.errstate(over="ignore", invalid="ignore"):
         steps = _loop_steps(batch, f, cases)
-    # A gain whose step overflows is unstable.
+    # A gain whose step matrix (last two axes) overflows is unstable.
     steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_OVERFLOW_EIGENVALUE * np.eye(
         steps.shape[-1]
     )

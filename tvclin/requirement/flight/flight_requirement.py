@@ -211,7 +211,7 @@ class FlightMode:
             end=np.stack([*costate, reach], axis=-1),
             # by a change of sign the modes are a pair for a while, which flights go through
             paired=np.where(changes[:, np.newaxis, np.newaxis], paired[:, -1:, -1:], paired),
-            quick_path=np.any(quick, axis=(1, 2)),
+            quick_path=np.any(quick, axis=(1, 2)),  # at any step
             modes=tuple(each for each in modes if each.cases.size),
             reverses=reverses,
             absolute_reach=absolute_reach,

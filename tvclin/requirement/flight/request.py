@@ -452,8 +452,7 @@ class SizingRequest:
             """Return the case of a flight time [s] in pulse number k."""
             return self.at(case, time, pulses[k])
 
-        # similar runs, which decide between compiled and plain code
-        with repeated(result.known.size):
+        with repeated(result.known.size):  # similar runs: decide between compiled and plain code
             return with_directions(result, len(pulses), at, self._mode(case, result))
 
     def _gaps(self, times: FloatArray) -> tuple[str, ...]:
