@@ -5,6 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import eig
+from scipy.optimize import linprog
 
 import tvclin as tv
 from tests.turns import usual
@@ -412,3 +414,55 @@ def test_a_gust_behind_one_from_the_other_side_requires_what_flights_need(before
         assert said / bound == pytest.approx(parts[before], rel=1e-3)
     else:
         assert 0.5 < said / bound < 0.98
+
+
+def test_slower_modes_are_noted_where_a_control_survives_with_less_than_the_minimum(
+    configuration_i,
+) -> None:
+    """A control of steps of 1 s, by a linear program over both modes along the whole flight."""
+    slow = configuration_i.replace(
+        time=[0.0, 60.0],
+        velocity=[110.0, 440.0],
+        attitude=np.radians([85.0, 60.0]),
+        normal_force_slope=0.15 * configuration_i.normal_force_slope,
+    )
+    flight = tv.FlightSchedule(slow)
+    wind = tv.TriangularWind(peak=np.radians(2.0), duration=3.0)
+    sizing = tv.size(flight, wind, times=[10.0], varying=True)
+
+    def matrices(t):
+        return (x.squeeze() for x in flight.plants(t, "drift-exact", "pitch").matrices()[:2])
+
+    end, inputs = matrices(60.0)
+    poles, rows = eig(end, left=True, right=False)
+    unstable = poles.real > 0.0
+    poles, rows = poles[unstable].real, rows[:, unstable].real.T
+    count = poles.size
+
+    def rates(t, y):
+        """Costates, and the integrals of their products with deflection and wind, backwards."""
+        A, columns = matrices(t)
+        p = y[: 3 * count].reshape(count, 3)
+        products = -p @ columns * [1.0, float(wind.shift(8.5)(t))]
+        return np.concatenate([(-p @ A).ravel(), products.ravel()])
+
+    times = np.append(np.arange(60.0, 8.5, -1.0), 8.5)
+    start = np.concatenate([rows.ravel(), np.zeros(2 * count)])
+    y = solve_ivp(rates, (60.0, 8.5), start, t_eval=times, rtol=1e-8, atol=1e-10, max_step=0.5).y
+    products = y[3 * count :].reshape(count, 2, -1)
+    later = np.exp(-np.outer(poles, [0.0, 10.0, 30.0, 90.0, np.inf]))
+    after = (rows @ inputs[:, 0] / poles)[:, np.newaxis] * -np.diff(later)
+    effect = np.concatenate([np.diff(products[:, 0]), after], axis=1)
+    scale = np.abs(effect).max(axis=1, keepdims=True)
+    cells = effect.shape[1]
+    within = np.concatenate([np.eye(cells), -np.ones((cells, 1))], axis=1)
+    program = linprog(
+        np.append(np.zeros(cells), 1.0),
+        A_ub=np.concatenate([within, within * np.append(-np.ones(cells), 1.0)]),
+        b_ub=np.zeros(2 * cells),
+        A_eq=np.concatenate([effect / scale, np.zeros((count, 1))], axis=1),
+        b_eq=-products[:, 1, -1] / scale[:, 0],
+        bounds=(None, None),
+    )
+    assert 1.05 * program.fun < sizing.required["minimum, varying"][0, 0]
+    assert any("slower unstable modes count as those" in note for note in sizing.notes)

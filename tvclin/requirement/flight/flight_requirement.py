@@ -407,6 +407,8 @@ def _refined(times: FloatArray, steps: FloatArray) -> FloatArray:
     return np.concatenate([*between, times[-1:]])
 
 
+_NOTED_INCREASE = 1.05
+"""Ratio of the minimum to that of the fastest mode above which slower modes are noted."""
 _SAMPLES_BETWEEN = 16
 """Times between breakpoints of a wind at which static trim is computed."""
 
@@ -424,6 +426,9 @@ class FlightRequirement:
         sign.
     minimum : float
         Lower bound with the wind known, to both sides, over all unstable modes.
+    slower_modes : bool
+        Whether slower unstable modes, as they are when the wind ends, raise the minimum above that
+        of the fastest alone by more than 5 percent; the flight goes on then.
     trim_time : float
         Time [s] of the largest static trim.
     times : ndarray
@@ -433,6 +438,7 @@ class FlightRequirement:
     trim: float
     required: FloatArray
     minimum: float
+    slower_modes: bool
     trim_time: float
     times: FloatArray
 
@@ -465,10 +471,10 @@ def flight_requirements(
         two_sided_wind or wind
         for two_sided_wind, wind in zip(two_sided or winds, winds, strict=True)
     ]
-    # required deflection, minimum and exit time of each wind, (n, 3)
+    # required deflection, minimum, that of the fastest mode, and exit time of each wind, (n, 4)
     full_band = requirements_along(mode, both_signs, 1.0)  # K = 1
     by_band = [full_band if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands]
-    required, _minima, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
+    required, _minima, _of_fastest, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
     requirements = []
     for i, wind in enumerate(winds):
         trim = np.abs(trim_ratios[i] * wind.history(times[i]))
@@ -478,6 +484,8 @@ def flight_requirements(
                 trim=float(trim[largest]),
                 required=required[:, i],
                 minimum=float(full_band[i, 1]),
+                slower_modes=0.0 < _NOTED_INCREASE * full_band[i, 2] < full_band[i, 1]
+                and float(both_signs[i].history.end) < mode.last_unstable,
                 trim_time=float(times[i][largest]),
                 times=exits[:, i],
             )
@@ -488,15 +496,16 @@ def flight_requirements(
 def requirements_along(
     mode: FlightMode, winds: Sequence[NominalWind | EncounteredWind], dead_band: float
 ) -> FloatArray:
-    """Return required deflection and minimum [rad], and exit time [s], of winds, ``(n, 3)``.
+    """Return deflections [rad] and exit time [s] of winds, ``(n, 4)``.
 
-    The exit time is that at which the dead band is left with the required limit. Both deflections
-    are zero, and the time is NaN, for a calm and a stable flight. `mode`: unstable mode along the
-    flight. `dead_band`: K, from 0 to 1. A wind counts as long as the vehicle has an unstable pole
+    They are the required deflection, the minimum, and that of the fastest unstable mode alone. The
+    exit time is that at which the dead band is left with the required limit. Deflections are zero,
+    and the time is NaN, for a calm and a stable flight. `mode`: unstable mode along the flight.
+    `dead_band`: K, from 0 to 1. A wind counts as long as the vehicle has an unstable pole
     (`until_stable`). Winds with the same number of steps are computed together, except on a quick
     path: there one by one, since the length of such a flight depends on the others of its batch.
     """
-    result = np.tile([0.0, 0.0, np.nan], (len(winds), 1))
+    result = np.tile([0.0, 0.0, 0.0, np.nan], (len(winds), 1))
     # index and wind, by: whether the whole wind counts, index on a quick path, number of steps
     groups: dict[tuple[bool, int, int], list[tuple[int, NominalWind | EncounteredWind]]] = {}
     for i, wind in enumerate(winds if mode.unstable else ()):
@@ -511,8 +520,8 @@ def requirements_along(
         for first in range(0, len(members), batch_size):
             index, batch = zip(*members[first : first + batch_size], strict=True)
             flight = mode if whole else mode.until_stable
-            requirement = varying_requirement(flight, batch, dead_band)
-            columns = requirement.required, requirement.minimum, requirement.time
+            r = varying_requirement(flight, batch, dead_band)
+            columns = r.required, r.minimum, r.of_fastest, r.time
             result[list(index)] = np.stack(columns, axis=-1)
     return result
 

@@ -47,6 +47,7 @@ from tvclin.requirement.flight.sizing import (
     doubtful_winds,
     flight_times,
     notes_of,
+    slower_modes_message,
     unknown_wind_notes,
 )
 from tvclin.requirement.plane_requirement import VectorRequirement, rectangle, vector_requirements
@@ -392,6 +393,8 @@ def _plane_sizing(
             arises = _arising_times(placed, along, bands)
             messages += _missing(required, bands)
             messages += _without_exit(mode, inputs.times, placed, bands)
+            raised = _numbers(along, lambda need: need.slower_modes)
+            messages += slower_modes_message(inputs.times, raised)
         except InputError as error:
             if varying:
                 raise
@@ -553,13 +556,8 @@ def _along(
         if key is not None:
             return along[key]
         none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
-        return FlightRequirement(
-            trim=none,
-            required=np.full(bands.shape, none),
-            minimum=none,
-            trim_time=np.nan,
-            times=unknown,
-        )
+        required = np.full(bands.shape, none)
+        return FlightRequirement(none, required, none, False, trim_time=np.nan, times=unknown)
 
     return [
         [

@@ -446,6 +446,22 @@ def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
     return [f"{wind}: {note}" for wind, angle in angles.items() for note in linear_notes(angle)]
 
 
+def slower_modes_message(times: FloatArray, raised: FloatArray) -> list[str]:
+    """Return a message on flight times [s] at which slower unstable modes raise the minimum.
+
+    They count as those of the vehicle when the wind ends, while the fastest mode follows the
+    flight. `raised`: whether they do by more than 5 percent, ``(n, m)``. Empty without such a time.
+    """
+    at = times[np.any(raised, axis=1)].tolist()
+    if not at:
+        return []
+    return [
+        f"at {flight_times(at)}, parameters varying: slower unstable modes count as those of the"
+        " vehicle when the wind ends; the minimum, and each K with it, may be more than a control"
+        " requires"
+    ]
+
+
 def flight_times(times: Collection[float]) -> str:
     """Return flight times [s] in words: number, first and last, or all of them."""
     ends = [f"{t:.6g} s" for t in sorted({min(times), max(times)})]
