@@ -101,12 +101,15 @@ def test_a_jet_in_a_row_that_is_wrong_names_the_row(tmp_path) -> None:
         ("70,", "60,", r"line 5: time_s must rise; got 60 after 60"),
         ("70,", ",", r"line 5: time_s is missing"),
         (", 43, 0.01", ", 43", r"line 5: there are 12 names and 11 cells"),
-        ("weight_kN", "weight_stone", r"line 3: weight_stone has no known unit"),
+        ("weight_kN", "weight_stone", r"line 2: weight_stone has no known unit in the schedule"),
         ("weight_kN", "time_s", r"every column needs a key of its own; got 'time_s'"),
         ("1450", "1" * 200_000, "line 5: weight_kN must be finite"),
-        ("time_s,", "name,", r"line 3: a key is missing: time_s"),
+        ("time_s,", "name,", r"line 2: a key is missing: time_s"),
         (CSV[CSV.index("70,") :], "", "two or more times; got 1"),
-        (CSV[CSV.index("time_s") :], "", "no line of keys, such as time_s"),
+        ("altitude_m", "hight_m", r"line 2: unknown key in the schedule: 'hight_m'"),
+        ("altitude_m", "Height (m)", r"line 2: 'Height \(m\)' is no key.* tvclin import table"),
+        ("velocity_m_per_s", "altitude_ft", r"line 2: a key is missing in the schedule: velocity_"),
+        (CSV[CSV.index("time_s") :], "", "no line of keys, such as time_s.* tvclin import table"),
     ],
 )
 def test_a_wrong_line_is_named(tmp_path, old, new, words) -> None:

@@ -144,6 +144,8 @@ def with_structure(
     return replace(schedule, structure=structure, notes=(*schedule.notes, *structure.notes))
 
 
+_SCHEDULE = "the schedule"
+"""Name of the table of a schedule in messages."""
 Row = tuple[str, dict[str, Any]]
 """Label of a row in messages, and its values by key."""
 
@@ -172,7 +174,7 @@ def _from_rows(
             # altitude, nominal deflection and actuator; the other keys are those of a vehicle
             keys = [key for key in FLIGHT_COLUMNS.keys if key in row]
             others.append(FLIGHT_COLUMNS.read({key: row.pop(key) for key in keys}))
-            vehicles.append(vehicle_file.build_vehicle(row))
+            vehicles.append(vehicle_file.build_vehicle(row, _SCHEDULE))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
     times = [float(np.asarray(v.time)) for v in vehicles]
@@ -273,12 +275,25 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
 
 def _csv_rows(text: str, source: str) -> list[Row]:
     """Return the rows of a schedule in the text of a CSV file; `source`: its path, for errors."""
-    missing = "keys, such as time_s,weight_N (tvclin init --keys has all)"
+    missing = (
+        "keys, such as time_s,weight_N (tvclin init --keys has all; tvclin import table reads a"
+        " table of other names)"
+    )
     sheet = sheet_in(lines_of(text, source), _key_count, missing)
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
         if keys.count(key) > 1:
             raise sheet.error(f"every column needs a key of its own; got {shown(key)}")
+    with naming(f"{called(source)}, line {sheet.head + 1}"):
+        if others := [key for key in keys if not key.isidentifier()]:
+            raise InputError(
+                f"{shown(others[0])} is no key, such as weight_N; tvclin import table reads a table"
+                " of other names"
+            )
+        of_flight = {*FLIGHT_COLUMNS.keys, *_WORDS}
+        vehicle_file.check_columns([key for key in keys if key not in of_flight], _SCHEDULE)
+        if "time_s" not in keys:
+            raise InputError("a key is missing: time_s")
     labels = [f"line {n}" for n in sheet.line]
     columns = zip(keys, zip(*sheet.cells, strict=True), strict=True)
     return _rows({k: _column(called(source), labels, k, c) for k, c in columns}, labels)

@@ -5,7 +5,7 @@ A table is declared once, next to the value that is made of it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Any, TypeVar
@@ -131,7 +131,7 @@ class FileTable:
             if key in names
         }
 
-    def need(self, values: Mapping[str, Any], names: Iterable[str]) -> None:
+    def need(self, values: Collection[str], names: Iterable[str]) -> None:
         """Raise `InputError` for required `names` that are missing in `values`."""
         faults = Faults()
         for name in names:

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from os import PathLike, fspath
@@ -223,18 +223,40 @@ def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle
     """
     table = replace(VEHICLE_TABLE, heading=heading)
     values = damping_of(table.read(row), table)
-    if "mass" not in values and "weight" not in values:
+    _check_complete(values.keys(), table)
+    if "mass" in values:
+        values["weight"] = values.pop("mass") * STANDARD_GRAVITY
+    build = Vehicle.from_aerodynamics if values.keys() & _AERODYNAMICS else Vehicle
+    return build(**values)
+
+
+def check_columns(keys: Iterable[str], heading: str) -> None:
+    """Raise `InputError` for unknown or missing columns of vehicles; `heading` names their table.
+
+    `keys`: names of the columns, with units.
+    """
+    table, faults = replace(VEHICLE_TABLE, heading=heading), Faults()
+    for key in keys:
+        with faults.collect():
+            if key not in table.every_key:
+                raise InputError(table.unknown(key))
+    faults.raise_all()
+    _check_complete({table.keys[key][0] for key in keys if key in table.keys}, table)
+
+
+def _check_complete(names: Collection[str], table: FileTable) -> None:
+    """Raise `InputError` for missing or excess numbers of a vehicle, by their `names`.
+
+    `table`: table of the file, which messages name.
+    """
+    if "mass" not in names and "weight" not in names:
         weight, mass = table.spelled("weight"), table.spelled("mass")
         raise InputError(f"a key is missing in {table.heading}: {weight}, or {mass}")
-    if "mass" in values:
-        if "weight" in values:
-            raise InputError(f"{table.heading} has both a weight and a mass; keep one")
-        values["weight"] = values.pop("mass") * STANDARD_GRAVITY
-    table.need(values, _REQUIRED)
-    aerodynamic = values.keys() & _AERODYNAMICS  # dynamic pressure, area, coefficients
-    table.need(values, _AERODYNAMICS if aerodynamic else _FORCES)
-    build = Vehicle.from_aerodynamics if aerodynamic else Vehicle
-    return build(**values)
+    if "mass" in names and "weight" in names:
+        raise InputError(f"{table.heading} has both a weight and a mass; keep one")
+    table.need({*names, "weight"}, _REQUIRED)
+    aerodynamic = _AERODYNAMICS.keys() & set(names)  # dynamic pressure, area, coefficients
+    table.need(names, _AERODYNAMICS if aerodynamic else _FORCES)
 
 
 def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
