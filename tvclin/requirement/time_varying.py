@@ -304,8 +304,7 @@ def varying_requirement(
     trim = trim_and_demand.largest_trim
     # effect of a unit deflection, held after the wind, on the fastest real unstable mode: NaN
     # without such a mode
-    reach = equations.end[:, -1]
-    no_real_mode = np.broadcast_to(np.isnan(reach), trim.shape)
+    no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
     # the demand at the onset, the begin of the first step, bounds every control from below, unless
     # the effect of a deflection `reverses`; then the minimum peaks alone do
     demand_bounds = ~(no_real_mode | equations.reverses)
