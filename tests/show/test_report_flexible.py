@@ -15,6 +15,7 @@ from tvclin.show.report.page import page_of
 from tvclin.studyfile.findings import Findings, find
 from tvclin.studyfile.parse import parse_study
 from tvclin.studyfile.questions import questions, sufficient
+from tvclin.studyfile.verdict import unjudged_values
 from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 pytest.importorskip("jinja2")
@@ -212,3 +213,17 @@ def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
         laws = tv.design.LawsRequest(names=("trim",), sample_rate=rate)
         findings = find(replace(plan, laws=laws, design=None, criteria=None, nozzle=tv.Nozzle()))
         assert f"sampled at {rate:g} Hz" in section(findings, "laws").text
+
+
+def test_the_nominal_loop_is_no_change_and_unstable_changes_are_named_first(findings):
+    off = findings.flexible.detuned
+    nominal, *changes = off.changes
+    margins = ("phase_margin_deg", *["phase_margin_deg"] * (len(changes) - 1), "unstable")
+    missed = replace(off, critical_margin=margins, satisfied=np.zeros(len(margins), dtype=bool))
+    flexible = replace(findings.flexible, detuned=missed)
+    values = {v.name: v for v in unjudged_values(replace(findings, flexible=flexible))}
+    assert values["modes detuned"].text == (
+        f"{len(changes)} of {len(changes)} changes of one mode miss the criteria; UNSTABLE:"
+        f" {changes[-1]}; margins too small: {', '.join(changes[:3])}, ..."
+    )
+    assert nominal == "nominal"

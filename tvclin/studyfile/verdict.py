@@ -7,8 +7,9 @@ import numpy as np
 from tvclin.base.lines import Line, Table, degrees, minimum_limit, number, significant
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import Reason
+from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
-from tvclin.control.margins.margins import margin
+from tvclin.control.margins.margins import UNSTABLE, margin
 from tvclin.requirement.study import TRUSTS, Study
 from tvclin.requirement.study_tables import survivable
 from tvclin.studyfile.findings import Findings
@@ -320,18 +321,30 @@ def unjudged_values(findings: Findings) -> Iterator[Question]:
     if isinstance(margins, BandMargins) and not findings.criteria.has_mode_limits:
         yield from _modes(margins)
     if findings.flexible is not None and findings.flexible.detuned is not None:
-        d = findings.flexible.detuned
-        missed = [name for name, fine in zip(d.changes, d.satisfied, strict=True) if not fine]
-        more = ", ..." * (len(missed) > _MAX_NAMED_CHANGES)
-        named = f": {', '.join(missed[:_MAX_NAMED_CHANGES])}{more}" if missed else ""
-        words = f"{len(missed)} of {len(d.changes)} changes of one mode miss the criteria{named}"
-        yield Question("modes detuned", None, (words,))
+        yield Question("modes detuned", None, (_missed(findings.flexible.detuned),))
     if findings.availability is not None and findings.availability.limit is not None:
         request = findings.plan.availability
         if request is not None and request.least_part is None:
             fraction = findings.availability.fraction()
             words = f"{fraction}; no least_part is specified in [availability]"
             yield Question("availability", None, (words,))
+
+
+def _missed(detuned: Detuned) -> str:
+    """Return the changes of one mode that miss the criteria, in words, the unstable ones first.
+
+    `detuned`: margins of the changes; its first row, the nominal loop, is no change.
+    """
+    changes = detuned.changes[1:]
+    unstable = [k for k, margin in enumerate(detuned.critical_margin[1:]) if margin == UNSTABLE]
+    missed = [k for k, satisfied in enumerate(detuned.satisfied[1:]) if not satisfied]
+    named = [changes[k] for k in missed if k not in unstable]
+    lists = {"UNSTABLE": [changes[k] for k in unstable], "margins too small": named}
+    words = f"{len(missed)} of {len(changes)} changes of one mode miss the criteria"
+    for what, names in lists.items():
+        more = ", ..." * (len(names) > _MAX_NAMED_CHANGES)
+        words += f"; {what}: {', '.join(names[:_MAX_NAMED_CHANGES])}{more}" if names else ""
+    return words
 
 
 def _modes(margins: BandMargins) -> Iterator[Question]:
