@@ -203,12 +203,7 @@ def print_in_wind(
     )
     required = study_requirement(case, case.dead_band)
     by_dead_band, notes = _required(plant, wind, dead_bands)
-    verdict = known_wind.verdict("this wind")
-    if isinstance(case.wind, SoundingWind):
-        verdict = known_wind.verdict("this part of the sounding")
-        if np.any(case.wind.steps(case.vehicle, case.plane)):
-            verdict = known_wind.verdict(_CUT.format(case.wind.window)) + _OF_CUT
-    verdict += f"; {required.see_study}" if required else ""
+    verdict = _verdict(known_wind, case) + (f"; {required.see_study}" if required else "")
     of_dead_bands = {"boundaries": _document(dead_bands, by_dead_band), "notes": notes}
     answer(
         shown.as_json,
@@ -224,6 +219,15 @@ def print_in_wind(
     if known_wind.best.status == NOT_CONVERGED:
         say("Error: the optimum was not reached; only the lower bound is proved", err=True)
         raise typer.Exit(1)
+
+
+def _verdict(known_wind: KnownWind, case: StudyPlan) -> str:
+    """Return the verdict on the minimum peak, of a sounding on the part within its window."""
+    if not isinstance(case.wind, SoundingWind):
+        return known_wind.verdict("this wind")
+    if np.any(case.wind.steps(case.vehicle, case.plane)):
+        return known_wind.verdict(_CUT.format(case.wind.window)) + _OF_CUT
+    return known_wind.verdict("this part of the sounding")
 
 
 def _required(

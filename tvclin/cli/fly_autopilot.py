@@ -442,8 +442,8 @@ class AutopilotFlight:
         and the flight comes first; without one it is the autopilot requirement, and the comparison
         of the loop with trim comes first. An unstable loop is not compared.
         """
-        stable, tables = self.compared.margins.stable, []
-        if stable:
+        tables = []
+        if self.compared.margins.stable:
             nominal = None if self.requirement is None else self.requirement.nominal_deflection
             model = self.case.plant.model
             title = f"{flight_title(self.linear)}; {model}, {NOMINAL}".replace("\n", ": ")
@@ -456,23 +456,28 @@ class AutopilotFlight:
             verdict, notes = self._verdict, [requirement, *notes]
 
         def details() -> None:
-            """Print the remaining `tables`, vehicle, wind and control of the flight, the autopilot.
-
-            Of a `stable` loop also its motion.
-            """
+            """Print the remaining `tables`, and what stands below them."""
             print_tables(*tables[1:])
-            if stable:
-                uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"
-                say(f"In this wind the autopilot uses {uses}.")
-                rows = [*self.compared.motions(), *self._further_rows()]
-                print_tables(quantities("In this wind", rows))
-            for line in self.flight.setting_lines if self.flight is not None else ():
-                say(line)
-            print_autopilot("Autopilot", self.compared.autopilot, self.compared.plant)
-            if stable:
-                print_bounds(self.compared.autopilot, self.compared.plant)
+            self._print_details()
 
         print_answer(verdict, *tables[:1], notes=notes, more=more, details=details)
+
+    def _print_details(self) -> None:
+        """Print vehicle, wind and control of the flight, the autopilot, and a stable loop's motion.
+
+        The motion is without a limit; an unstable loop has neither motion nor bounds.
+        """
+        stable = self.compared.margins.stable
+        if stable:
+            uses = f"{degrees(self.compared.peak_deflection):.3f} deg without a limit"
+            say(f"In this wind the autopilot uses {uses}.")
+            rows = [*self.compared.motions(), *self._further_rows()]
+            print_tables(quantities("In this wind", rows))
+        for line in self.flight.setting_lines if self.flight is not None else ():
+            say(line)
+        print_autopilot("Autopilot", self.compared.autopilot, self.compared.plant)
+        if stable:
+            print_bounds(self.compared.autopilot, self.compared.plant)
 
     def _judged(self) -> Iterator[str]:
         """Yield notes on criteria that are not satisfied, and on the required deflection."""

@@ -164,8 +164,7 @@ def bounded_trim(
             raise InputError(f"{none}; give --limit-deg")
         if limit == 0.0:
             raise InputError("this vehicle needs no deflection in any wind; give --limit-deg")
-    # the sign of the limit is that of trim, -B alpha_w, opposite to the wind for B > 0; in a wind
-    # of zero any
+    # that of trim, -B alpha_w, opposite to the wind for B > 0; in a wind of zero any
     sign = -float(np.sign(plant.coefficients.B * history.peak)) or 1.0
     return BoundedTrim(
         case=case,

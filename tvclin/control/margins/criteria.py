@@ -119,7 +119,7 @@ class Judgement(Record):
 
     @property
     def shortfall(self) -> Line:
-        """Text on a margin of one loop that misses its limit: name and surplus, as "phase -3 deg".
+        """Text on a margin of one loop that misses its limit, as "phase 3 deg short".
 
         `band`, the name of a mode, takes the place of the margin's name for the margin of a mode.
         """
@@ -127,8 +127,8 @@ class Judgement(Record):
         label = self.band
         if not label:
             label, *_ = MARGINS[self.criterion.margin]
-        surplus = unit_factor(unit) * self.surplus
-        return (f"{label} ", *significant(f"{label}.surplus", surplus, 3, unit))
+        shortfall = -unit_factor(unit) * self.surplus
+        return (f"{label} ", *significant(f"{label}.shortfall", shortfall, 3, unit), " short")
 
 
 @dataclass(frozen=True)
