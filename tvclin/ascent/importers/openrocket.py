@@ -136,10 +136,11 @@ def _air(sheet: Sheet, notes: list[str]) -> dict[str, Column]:
 
 
 def _attitude(sheet: Sheet, speed: Column, notes: list[str]) -> dict[str, Column]:
-    """Return the attitude above the horizon [rad] as a column by name, and the speed upwards.
+    """Return the attitude above the horizon [rad] and the speed upwards [m/s], as columns by name.
 
     Where a sheet has no attitude it is the path angle, from the vertical and the total `speed`
-    [m/s]. `notes`: notes on columns that cannot be read are appended.
+    [m/s]; the speed upwards, which gives nothing new then, is left out, as where it is unknown.
+    `notes`: notes on columns that cannot be read are appended.
     """
     heading = sheet.find("Vertical orientation (zenith)", "Vertical orientation")
     if heading is not None:

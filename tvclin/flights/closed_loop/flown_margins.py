@@ -66,7 +66,7 @@ class LostFlightError(InputError):
 
     @property
     def sentence(self) -> str:
-        """What the unchanged flight needs, as a sentence."""
+        """The limit that the flight without a change needs, as a sentence; `args` has its words."""
         _limit, needs = self.args
         return f"the unchanged flight needs {needs}"
 

@@ -176,7 +176,7 @@ class FlightTurbulence(Shown):
     @cached_property
     @derived("angle")
     def travel_deviation(self) -> float | None:
-        """Standard deviation of that travel over flights [rad], from its variance."""
+        """Standard deviation of the nozzle's travel over flights [rad], from its variance."""
         return self.history.travel_deviation() if self.travel is not None else None
 
     def quantile_at(self, time: float, output: str = DEFLECTION) -> float:
