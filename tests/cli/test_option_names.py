@@ -122,8 +122,6 @@ def test_a_count_of_one_is_singular_and_zero_has_no_minus():
         ),
         ("study {loose}", "key 'name' stands in no table; write the table above it"),
         ("study --damping 0 --natural-frequency 1", "--damping must be positive; got 0"),
-        ("study --limit-deg 1 --limit-deg=2", "--limit-deg is given 2 times; give it once"),
-        ("import table a.csv -o b --output c", "is given 2 times; give it once"),
     ],
 )
 def test_a_command_line_that_cannot_be_read_is_one_sentence(

@@ -9,7 +9,7 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
 from importlib import import_module
@@ -165,9 +165,7 @@ class Commands(TyperGroup):
         from tvclin.cli.settings import joined
 
         name, _, rest = super().resolve_command(ctx, args)
-        command, rest = name and self.commands[name], joined(rest)  # None: no command was named
-        _check_repeated(command, rest)
-        return name, command, rest
+        return name, name and self.commands[name], joined(rest)  # None: no command was named
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the command line; this prints help and version."""
@@ -188,23 +186,6 @@ class Commands(TyperGroup):
         sentences = pass_warnings(tell, machine=tell)
         with _input_errors_as_messages(ctx), sentences, notes_last(), separate_outputs():
             return super().invoke(ctx)
-
-
-def _check_repeated(command: Any, arguments: Sequence[str]) -> None:
-    """Raise `InputError` for an option of a command that takes one value and is given more often.
-
-    `arguments`: words of the command line after the command's name.
-    """
-    from tvclin.base.errors import InputError
-
-    while arguments and arguments[0] in getattr(command, "commands", ()):  # of a group of commands
-        command, arguments = command.commands[arguments[0]], arguments[1:]
-    words = [word.partition("=")[0] for word in arguments]
-    for option in getattr(command, "params", ()):
-        single = option.param_type_name == "option" and not (option.multiple or option.is_flag)
-        count = sum(word in option.opts for word in words) if single else 0
-        if count > 1:
-            raise InputError(f"{option.opts[0]} is given {count} times; give it once")
 
 
 app = typer.Typer(
