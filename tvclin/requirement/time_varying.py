@@ -61,12 +61,12 @@ _FLIGHT_MARGIN = 1.005
 """Ratio of the limit of a flight to the limit of both curves, to show that this is sufficient."""
 _MIN_RATIO_BOTH_SIGNS, _MIN_RATIO_TWO_INTERVALS = 0.5, 0.9
 """Smallest limits of flights over the largest min(trim, demand), where trim reaches that with both
-signs, or more than once while the path drifts. With less than the first the attitude leaves the
-linear range."""
+signs (with less the attitude leaves the linear range), or more than once as the path drifts."""
 _MIN_RATIO_SIGN_CHANGE = 0.01
 """Smallest limit of flights over the largest trim, where mu_alpha changes its sign."""
-_ALL_OF_TRIM_FRACTION = 1.0 - 1e-6
-"""Fraction of the largest trim from which on a limit counts as never reached."""
+_HIGHER_LIMITS = (1.0, 10.0, 100.0)
+"""Highest limits of flights, over that of the wind: trim after it may be larger where mu_alpha
+changes its sign, or two unstable modes are a pair for a while."""
 _MIN_LIMIT = 1e-12
 """Smallest limit of a flight [rad], in place of zero."""
 _EVEN_STEP = 0.125
@@ -100,10 +100,7 @@ class Motion(Protocol):
         """Breakpoints [s] of the equations, in addition to the breakpoints of the wind."""
 
     def judged_at(self, ends: FloatArray) -> FloatArray:
-        """Return the times [s] at which the survival of n flights is decided, ``(n,)``.
-
-        `ends`: ends of their winds [s], ``(n,)``.
-        """
+        """Return the times [s] that decide on survival in n winds with their `ends` [s]."""
 
     def at_steps(self, times: FloatArray) -> Equations:
         """Return the equations at times [s] of steps, ``(n, S, 3)``."""
@@ -117,10 +114,7 @@ class Encounter(Protocol):
         """A history with the breakpoints and rates of the wind."""
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad], and dynamic pressure over the nominal one, q/q_n.
-
-        `times`: times [s], ``(n, ...)``, the shape of both.
-        """
+        """Return wind angles of attack [rad] and ratios q/q_n at `times` [s], in their shape."""
 
 
 def step_counts(wind: History, motion: Motion) -> FloatArray:
@@ -423,15 +417,18 @@ def _of_flights(
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[confirmed, np.newaxis]
         flown[confirmed] = flights.diverge(tried, confirmed)[:, 0]
-    which = np.flatnonzero(flown & finite)
+    which = decided = np.flatnonzero(flown & finite)
     if which.size:
+        changes = np.broadcast_to(equations.changes_sign, required.shape)
         wind_times, *wind_and_ratio = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
         times, wind, ratio = with_calm_after(equations, wind_times, *wind_and_ratio)
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
-        required[which] = flights.select(which).requirement(low[which], high[which])
+        for factor in _HIGHER_LIMITS:
+            required[which] = flights.select(which).requirement(low[which], factor * high[which])
+            which = which[np.isinf(required[which]) & (changes | paired)[which]]
         stable = equations.nominal[:, -1, -1, 1, 0] < 0.0  # mu_alpha at the end of the last step
-        never = which[(np.isinf(required) & stable)[which]]  # no limit is sufficient
+        never = decided[(np.isinf(required) & stable)[decided]]  # no limit is sufficient
         if never.size and wind_times.shape != times.shape:  # again without the calm
             flights = SteppedWinds(motion.at_steps(wind_times), wind_times, *wind_and_ratio)
             required[never] = flights.select(never).requirement(low[never], high[never])
@@ -458,7 +455,7 @@ def decided_by_flights(
     Flights decide where trim reaches it with both signs, where the path drifts and is quick, or
     trim crosses it more than once, and where mu_alpha changes its sign, since the demand of a
     constant deflection is no bound then. Where two unstable modes are a pair for a while, `limit`
-    counts all of trim then, and flights may only require more.
+    counts all of trim then, and flights may only require more, as trim after the wind may.
     """
     two_signs, second_interval = (
         trim_and_demand.reaches_both_signs(limit),
@@ -470,9 +467,8 @@ def decided_by_flights(
     lowest = np.where(changes, _MIN_RATIO_SIGN_CHANGE * trim_and_demand.largest_trim, lowest)
     quick = equations.quick_path & equations.drifts
     for_a_while = np.any(equations.paired, axis=(1, 2))  # at any begin, middle or end of a step
-    never_limited = for_a_while & (limit >= _ALL_OF_TRIM_FRACTION * trim_and_demand.largest_trim)
     lowest = np.where(for_a_while, limit, lowest)
-    return (two_signs | second_interval | quick | changes) & ~never_limited, lowest
+    return two_signs | second_interval | quick | changes, lowest
 
 
 @dataclass(frozen=True, eq=False)
