@@ -69,6 +69,22 @@ def test_a_note_says_that_a_gust_nearer_to_the_peak_of_a_head_wind_may_require_m
 
 
 @pytest.mark.parametrize(
+    ("duration", "gust_deg", "time", "percent"), [(13.0, 3.0, 4.03, 16.0), (25.0, 5.0, 8.93, 55.0)]
+)
+def test_another_time_of_a_gust_requires_what_the_page_on_limits_says(
+    duration: float, gust_deg: float, time: float, percent: float
+) -> None:
+    shallow = tv.load_vehicle("configuration-i").replace(attitude=np.radians(28.9))
+    gust = tv.OneMinusCosineGust(peak=np.radians(gust_deg), duration=2.0)
+    options = {"duration": duration, "peak": np.radians(7.8), "dead_band": 0.5, "gust": gust}
+    placed, other = (
+        tv.Study.from_vehicle(shallow, **options, model="fixed-path", **given).required_deflection
+        for given in ({}, {"gust_at": time})
+    )
+    assert 100.0 * (other / placed - 1.0) == pytest.approx(percent, abs=0.5)
+
+
+@pytest.mark.parametrize(
     ("options", "noted"), [((), True), (("--set", "study.sign", "tail"), False)]
 )
 def test_a_flight_notes_it_where_a_head_wind_counts(options, noted) -> None:

@@ -246,3 +246,13 @@ def test_a_wind_that_stays_near_its_peak_is_noted_where_it_requires_more_along_a
     noted = any(note.startswith("the vehicle is frozen: ") for note in study.notes)
     assert noted == (excess > 0.02) == (shape == "rectangular")
     assert excess < 0.01 * 12.0
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("duration", "percent"), [(7.5, 4.4), (12.0, 8.5), (20.0, 14.4)])
+def test_the_excess_of_a_varying_vehicle_is_that_of_the_page_on_limits(duration, percent):
+    vehicle, flight = tv.load_vehicle("configuration-i"), tv.load_schedule("configuration-i")
+    winds = {"wind": tv.RectangularWind(peak=np.radians(3.0), duration=duration)}
+    sizing = tv.size(flight, winds, times=[float(vehicle.time)], dead_bands=1.0)
+    varying, frozen = (sizing.required[name][0, 0] for name in ("K = 1, varying", "K = 1"))
+    assert 100.0 * (varying / frozen - 1.0) == pytest.approx(percent, abs=0.1)

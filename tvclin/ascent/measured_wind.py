@@ -309,8 +309,8 @@ def unknown_between(wind: MeasuredWind | MeasuredPlanes, first: float, last: flo
     begin, end = wind.known
     if first < begin or end < last:
         # rounded inwards, so that the times printed are known
-        first_known, last_known = hundredths(begin, up=True), hundredths(end, up=False)
-        return f"the wind is known from {first_known} to {last_known} s alone"
+        span = f"{hundredths(begin, up=True)} to {hundredths(end, up=False)} s"
+        return f"the wind is known from {span} alone"
     return wind.gaps.reason(first, last)
 
 

@@ -249,10 +249,11 @@ def checked_parameter(what: str, name: Any) -> str:
 
     `what`: the argument or key in the error. `name`: the name to check.
     """
-    if isinstance(name, str) and _SINGLE_MODE_FACTOR.fullmatch(name):
-        return name
-    if isinstance(name, str) and name == "mass":
-        raise errors.InputError(f"{what}: a mass is dispersed as its weight; write weight")
+    if isinstance(name, str):
+        if _SINGLE_MODE_FACTOR.fullmatch(name):
+            return name
+        if name == "mass":
+            raise errors.InputError(f"{what}: a mass is dispersed as its weight; write weight")
     return errors.one_of(what, name, PARAMETERS)
 
 

@@ -66,8 +66,8 @@ OUTLASTS = "is too long for the single-pole theory"
 TRUSTS = "trusts a forecast"
 """Words on a dead band in the notes of a study."""
 GUST_NEARER_TO_PEAK = (
-    "nearer to the peak of a strong head wind it may require more, by up to some 20 percent: try"
-    " other times"
+    "nearer to the peak of a strong head wind it may require more, in long winds by half or more:"
+    " try other times"
 )
 """Words on a gust that was placed at nominal dynamic pressure."""
 

@@ -257,8 +257,8 @@ class VaryingRequirement:
         its sign: a constant limit may then drive the vehicle to either side.
     minimum : ndarray
         Lower bound with the wind known: no control needs less.
-    of_fastest : ndarray
-        The same of the fastest unstable mode alone; zero where its demand at the onset is no bound.
+    fastest_minimum : ndarray
+        Lower bound by the fastest unstable mode alone; zero where its demand at the onset is none.
     time : ndarray
         Time [s] at which trim leaves the dead band with the required deflection as the limit.
     """
@@ -266,7 +266,7 @@ class VaryingRequirement:
     trim: FloatArray
     required: FloatArray
     minimum: FloatArray
-    of_fastest: FloatArray
+    fastest_minimum: FloatArray
     time: FloatArray
 
 
@@ -290,7 +290,7 @@ def varying_requirement(
     if not isinstance(encountered, Sequence) and np.all(np.isinf(encountered.history.onset)):
         none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
         unknown_time = np.full(none.shape, np.nan)
-        return VaryingRequirement(none, none, minimum=none, of_fastest=none, time=unknown_time)
+        return VaryingRequirement(none, none, minimum=none, fastest_minimum=none, time=unknown_time)
     times, wind, ratio = encountered_at_steps(motion, encountered)
     equations = motion.at_steps(times)
     winds = SteppedWinds(equations, times, wind, ratio)
@@ -302,10 +302,10 @@ def varying_requirement(
     # the demand at the onset, the begin of the first step, bounds every control from below, unless
     # the effect of a deflection `reverses`; then the minimum peaks alone do
     demand_bounds = ~(no_real_mode | equations.reverses)
-    of_fastest = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
+    fastest_minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
     # for K < 1: the limit with which trim leaves the dead band K, and when
     peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
-    minimum = np.maximum(of_fastest, peaks)
+    minimum = np.maximum(fastest_minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
     # a constant limit may drive the vehicle in either direction where unstable modes are a pair at
     # any step, or the moment or the effect of the deflection changes its sign: then trim must never
@@ -322,7 +322,7 @@ def varying_requirement(
         required = np.maximum(required, minimum)
     required = np.where(no_real_mode, within_dead_band, required)  # a pair alone, or stable
     required = np.where(np.isnan(trim), np.nan, required)
-    return VaryingRequirement(trim, required, minimum, of_fastest, time)
+    return VaryingRequirement(trim, required, minimum, fastest_minimum, time)
 
 
 def _exits(

@@ -408,7 +408,7 @@ def _refined(times: FloatArray, steps: FloatArray) -> FloatArray:
 
 
 _NOTED_INCREASE = 1.05
-"""Ratio of the minimum to that of the fastest mode above which slower modes are noted."""
+"""Ratio of the minimum over all modes to the minimum by the fastest, above which a note says so."""
 _SAMPLES_BETWEEN = 16
 """Times between breakpoints of a wind at which static trim is computed."""
 
@@ -474,7 +474,7 @@ def flight_requirements(
     # required deflection, minimum, that of the fastest mode, and exit time of each wind, (n, 4)
     full_band = requirements_along(mode, both_signs, 1.0)  # K = 1
     by_band = [full_band if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands]
-    required, _minima, _of_fastest, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
+    required, _minima, _fastest_minima, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
     requirements = []
     for i, wind in enumerate(winds):
         trim = np.abs(trim_ratios[i] * wind.history(times[i]))
@@ -521,7 +521,7 @@ def requirements_along(
             index, batch = zip(*members[first : first + batch_size], strict=True)
             flight = mode if whole else mode.until_stable
             r = varying_requirement(flight, batch, dead_band)
-            columns = r.required, r.minimum, r.of_fastest, r.time
+            columns = r.required, r.minimum, r.fastest_minimum, r.time
             result[list(index)] = np.stack(columns, axis=-1)
     return result
 

@@ -628,7 +628,8 @@ class SizingRequest:
     @property
     def notes(self) -> list[str]:
         """Notes on the flight, except of `warnings`, and on soundings."""
-        of_flight = [note for note in self.schedule.notes if note not in self.warnings]
+        warnings = self.warnings
+        of_flight = [note for note in self.schedule.notes if note not in warnings]
         if not self.soundings:
             return of_flight
         scope = (
