@@ -1,13 +1,15 @@
 """The verdict of a study in one sentence, with its numbers, and the table of all answers."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tvclin.base.lines import Line, Table, degrees, minimum_limit, number, significant
 from tvclin.base.quantities import STATIC_TRIM, WIND_KNOWN, sufficiency
 from tvclin.boundary.open_loop import Reason
-from tvclin.control.autopilot.detuning import Detuned
 from tvclin.control.margins.bands import GAIN, PHASE, BandMargins
 from tvclin.control.margins.margins import UNSTABLE, margin
 from tvclin.requirement.study import TRUSTS, Study
@@ -15,6 +17,9 @@ from tvclin.requirement.study_tables import survivable
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import Measure, Question, questions, without_stop
 from tvclin.winds.shaped import ShapedWind
+
+if TYPE_CHECKING:
+    from tvclin.control.autopilot.detuning import Detuned
 
 _NOTHING = "No deflection is needed: this model has no unstable pole that a wind could excite"
 """Verdict where no wind can excite the model."""
