@@ -469,7 +469,7 @@ class _Moments:
         return np.append(edges[separate], np.inf)
 
     @cached_property
-    def cells(self) -> Vectors:
+    def cell_integrals(self) -> Vectors:
         """Integrals of a p e^(-p t) over each cell, complex ``(k, n)``, of k poles p and axes a.
 
         a is 1 for a pole of pitch and j for one of yaw; the cells are the n intervals of `edges`
@@ -520,7 +520,7 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     """
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
-    limit_shape, cells = moments.limit_shape, moments.cells
+    limit_shape, cells = moments.limit_shape, moments.cell_integrals
     # The k conditions in another basis (`rows`), orthonormal over the cells and divided by the
     # largest deflection of S in the plane: l then has numbers of one size, and N(l) bounds each of
     # them by `ends`.
@@ -560,28 +560,27 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
 
 
 def _corrected(
-    moments: _Moments, onset: float, best: FloatArray, deflections: Vectors, size: float
+    moments: _Moments, onset: float, multipliers: FloatArray, deflections: Vectors, size: float
 ) -> tuple[FloatArray, Vectors, Certificate]:
     """Return times [s], deflections [rad] that satisfy the conditions, and their certificate.
 
-    The conditions are that the sum over the cells of conj(cell integral) times deflection has the
-    real part `moments.demands` [rad], one for each unstable pole of either plane.
-
-    `moments`: the conditions in cells. `onset`: start of the control [s]. `best`: multipliers
-    ``(k,)`` of the lower bound. `deflections`: in the cells, over `size` [rad], ``(n,)``.
+    The condition of a pole p is: the sum over the cells of deflection times p e^(-p t), integrated
+    over the cell, is the pole's demand, in its plane. `moments`: the conditions of k poles, and n
+    cells. `onset`: start of the control [s]. `multipliers`: l ``(k,)`` with the best lower bound
+    l . d/N(l). `deflections`: those to be corrected, over `size` [rad], ``(n,)``.
     """
-    d, cells, limit_shape = moments.demands / size, moments.cells, moments.limit_shape
-    # The smallest correction that is a combination of the functions a e^(-p t) at the cells'
-    # starts, a being the unit vector of the plane of the pole p (`axes`)
+    d, integrals = moments.demands / size, moments.cell_integrals
+    # Corrections are combinations of the functions a e^(-p t) at the cells' starts, a being the
+    # unit vector of the plane of the pole p (`axes`); Re(conj(u) v) is the product of two vectors
+    basis = moments.axes[:, np.newaxis] * np.exp(-np.outer(moments.poles, moments.edges[:-1]))
+    gram = np.real(np.conj(integrals) @ basis.T)
     for _ in range(2):  # the second time for the rounding of the first
-        missing = d - np.real(np.conj(cells) @ deflections)
-        basis = moments.axes[:, np.newaxis] * np.exp(-np.outer(moments.poles, moments.edges[:-1]))
-        gram = np.real(np.conj(cells) @ basis.T)
+        missing = d - np.real(np.conj(integrals) @ deflections)
         deflections = deflections + np.linalg.lstsq(gram, missing, rcond=None)[0] @ basis
-    peak = float(limit_shape.gauge(deflections).max())
-    dual = float(best @ d) / moments.norm(best)
-    violation = np.abs(d - np.real(np.conj(cells) @ deflections))
-    residual = float((violation / (np.abs(cells).sum(axis=1) * peak + np.abs(d))).max())
+    peak = float(moments.limit_shape.gauge(deflections).max())
+    dual = float(multipliers @ d) / moments.norm(multipliers)
+    violation = np.abs(d - np.real(np.conj(integrals) @ deflections))
+    residual = float((violation / (np.abs(integrals).sum(axis=1) * peak + np.abs(d))).max())
     gap = (peak - dual) / peak
     proof = Certificate(peak * size, dual * size, gap=gap, residual=residual, tail=0.0)
     return onset + moments.edges[:-1], deflections * size, proof

@@ -204,16 +204,17 @@ def _requirement_after_trim(
     def trimmed_minimum(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
-        Trim ends where the gauge of the driver (trim, or on the wind -B alpha_w, trim without
-        drift) first reaches K L: `gauges` has it at `times` [s]. The bound, of separate planes, is
-        taken if it is `sufficient` [rad] or m is not `solved`.
+        m(L) is the minimum limit that both planes require for all their unstable modes after trim.
+        Trim ends where `gauges`, the gauge of the `driver` at `times` [s], first is K L, K being
+        the dead band. The bound is the gauge of the rectangle of each plane's own minimum; it is
+        taken if it is at most `sufficient` [rad], or m is not `solved`.
         """
 
         def excess(t: float) -> float:
-            """Return the gauge of the driver, trim or -B alpha_w, less K `limit` [rad], at `t` [s].
+            """Return the gauge of the `driver` [rad] at `t` [s] less K `limit`, zero as trim ends.
 
-            The gauge is the limit whose `limit_shape` just contains it; -B alpha_w is trim without
-            drift.
+            The driver is trim, or on the wind -B alpha_w, trim without drift; its gauge is the
+            limit whose `limit_shape` just contains it.
             """
             return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
@@ -225,8 +226,9 @@ def _requirement_after_trim(
         separate = []  # the minimum peak of each plane separately
         for plane in (0, 1):
             # z: constant deflection from t on that each mode requires, after trim up to t
-            poles, z = pair.poles[plane][np.newaxis], pair.mode_demands(plane, t, True)[np.newaxis]
-            separate.append(float(peaks_for_demands(poles, z / poles)[0]))
+            poles, z = pair.poles[plane], pair.mode_demands(plane, t, after_trim=True)
+            peaks = peaks_for_demands(poles[np.newaxis], (z / poles)[np.newaxis])  # of one case
+            separate.append(float(peaks[0]))
         corners = [complex(separate[0], sign * separate[1]) for sign in (1.0, -1.0)]
         rectangle = float(np.max(limit_shape.gauge([*corners, *(-corner for corner in corners)])))
         if rectangle <= sufficient or not solved:

@@ -152,8 +152,8 @@ class Findings:
         """Largest factor on the wind that the autopilot survives, flown with the deflection limit.
 
         At nominal dynamic pressure a flight scales with its wind, so that the factor is the limit
-        over the requirement [rad], in `stop`; a larger head wind raises the pressure too, and
-        the factor is searched for. NaN where it is not flown.
+        over the autopilot requirement (`stop`) [rad]; a larger head wind raises the pressure too,
+        and the factor is searched for. NaN where it is not flown.
         """
         limit, stop, s = self.study.limit, self.stop, self.study
         if stop is None or limit is None:
@@ -163,7 +163,7 @@ class Findings:
         required = abs(float((in_head_wind or stop).deflection))
         if in_head_wind is None or not np.isfinite(required):
             return limit / required if required else np.inf
-        loop = self.flexible or self.comparison
+        loop = self.flexible or self.comparison  # either has the autopilot
         assert loop is not None
 
         from tvclin.requirement.autopilot_requirement import at_peak_pressure, autopilot_boundary

@@ -452,12 +452,12 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     k = np.real(poles) / np.imag(poles)  # decay sigma/omega, with x = omega u
 
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
-        """Return minus the peak that a direction phi proves, over omega (1 + k^2), ``(c, m)``.
+        """Return minus a lower bound of the peak for each phi, over omega (1 + k^2), ``(c, m)``.
 
-        With the `demands` d it is -|Re(d e^(-j phi))|/(1 + k^2) over the integral of e^(-k x) times
-        |cos(x + phi)| over x > 0.
-        `zero`: first zero x = pi/2 - phi of the cosine [rad], ``(m,)`` or ``(c, m)``. `i`: indices
-        of c pairs.
+        Of c pairs with poles omega (k + j) [1/s] and `demands` d [rad s] it is
+        |Re(d e^(-j phi))|/(1 + k^2) over the integral of e^(-k x) |cos(x + phi)| over x > 0; the
+        largest bound is the peak. `zero`: first zero x = pi/2 - phi of the cosine [rad], ``(m,)``
+        or ``(c, m)``. `i`: indices of the pairs.
         """
         toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (zero - 0.5 * np.pi))))
         # integral of e^(-k x) |cos(x + phi)| over x > 0, times 1 + k^2: up to the zero of the

@@ -46,12 +46,12 @@ def switch_time(
     def excess(t: float) -> float:
         """Return c1 (1 - 2 E2 + F2) - c2 (1 - 2 E1 + F1) for a switch at `t` [s], zero by eq (C5).
 
-        Each 1 - 2 E + F is the sum of a fixed term and a term that moves with `t` (`_share`). Fixed
-        and moving terms are subtracted separately, so that equal fixed terms cancel exactly. c_i is
-        the pole times its demand.
+        E_i = e^(-p_i t), F_i = e^(-p_i H), c_i = p_i d_i of the two `poles` p_i [1/s], `demands`
+        d_i [rad s], and `horizon` H [s]. Each 1 - 2 E + F is a fixed term and one that moves with
+        `t`, subtracted separately, so that equal fixed terms cancel exactly.
         """
         # poles[0] has E1 and F1, and by eq (C5) stands with c2 = c[1]
-        (fixed1, moving1), (fixed2, moving2) = (_share(pole, t, horizon) for pole in poles)
+        (fixed1, moving1), (fixed2, moving2) = (_moment_terms(pole, t, horizon) for pole in poles)
         return (c[0] * fixed2 - c[1] * fixed1) + (c[0] * moving2 - c[1] * moving1)
 
     # beyond this time the switch no longer moves either side
@@ -64,7 +64,7 @@ def switch_time(
     return float(roots_between(np.zeros(1), np.array([last]), rising)[0])
 
 
-def _share(pole: float, t: float, horizon: float) -> tuple[float, float]:
+def _moment_terms(pole: float, t: float, horizon: float) -> tuple[float, float]:
     """Return 1 - 2 E + F as a constant and a term that moves with the switch, of one pole.
 
     It is the moment of a switched deflection times p, E = e^(-p t) and F = e^(-p H). `pole`: p

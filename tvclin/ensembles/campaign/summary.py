@@ -290,7 +290,8 @@ class CampaignSummary(Shown):
     def _bound(self, name: str, angle: float) -> Line:
         """Return the text of a bound of a quantile, `angle` [rad], or why it is infinite.
 
-        `name`: of the number. A bound is infinite if unknown, by lost flights, or by too few cases.
+        `name`: of the number. Any bound is infinite if unknown or with too few cases; lost flights
+        make an upper one infinite, not a lower one.
         """
         if not np.isinf(angle):
             return _angle(name, angle)
@@ -300,7 +301,7 @@ class CampaignSummary(Shown):
         diverged = self.output.startswith("flight_") and flights is not None and flights[1] > 0
         return (
             f"none, flights are {survival(False)}"
-            if diverged and angle > 0.0
+            if diverged and angle > 0.0  # a lower bound is minus infinity
             else f"too few cases to say{self.required.few_cases}",
         )
 

@@ -189,15 +189,15 @@ class Loop:
 
         s is the deflection; its rate limit does not count here. First order: s' = w (command - s).
         Second: s'' = w^2 (command - s) - 2 zeta w s', with the natural frequency w [rad/s] and the
-        damping ratio zeta. `states`: all states of the loop, ``(n, ...)``. `command`: commanded
-        deflection [rad].
+        damping ratio zeta. `states`: all states of the loop, ``(n, ...)``, s behind the vehicle's,
+        then s'. `command`: commanded deflection [rad].
         """
         assert self.actuator is not None
-        w, order = float(np.asarray(self.actuator.natural_frequency)), self.order
+        w, deflection = float(np.asarray(self.actuator.natural_frequency)), states[self.order]
         if self.actuator.damping is None:
-            return w * (command - states[order])
-        drag = 2.0 * float(np.asarray(self.actuator.damping)) * w
-        return w * w * (command - states[order]) - drag * states[order + 1]
+            return w * (command - deflection)
+        drag = 2.0 * float(np.asarray(self.actuator.damping)) * w * states[self.order + 1]
+        return w * w * (command - deflection) - drag
 
     def rates(self, t: float, states: FloatArray, regime: Regime) -> FloatArray:
         """Return the derivatives of all states at a time `t` [s], ``(n,)``.

@@ -243,8 +243,8 @@ def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, fl
     "effectiveness" of the nozzle. `pole`: fastest unstable pole of the plant [1/s].
     """
     hardware = batch.hardware
-    samples, rest = split_delay(hardware.delay, hardware.length)
-    loop = _response(batch.delayed(rest), name, float(samples))
+    samples, remainder = split_delay(hardware.delay, hardware.length)  # whole samples, and [s]
+    loop = _response(batch.delayed(remainder), name, float(samples))
     angles = _angles(batch, pole, float(samples))
     real = [_ZERO_ANGLE, *_roots(lambda a: loop(a).imag, angles), np.pi]
     values = loop(np.array(real))  # real at a zero of its imaginary part, not where that jumps

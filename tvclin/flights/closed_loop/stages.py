@@ -440,16 +440,17 @@ class Stages:
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
         def at_nodes(loops: LinearSystem) -> LinearSystem:
-            """Return the constant systems equal to varying ones over parts of samples.
+            """Return the constant system that equals a varying one, for each part of each sample.
 
-            Shape ``(parts, m)``, as their `lengths` [s]. `loops`: systems at all places, a batch of
-            the `shape`; the first ones are at the first Gauss point of each part of each sample,
-            then as many at the second.
+            A batch ``(parts, m)`` for parts of the `lengths` [s]. `loops`: the varying system at
+            each of the `places`, a batch of the `shape`: for all parts first the system at the
+            first Gauss point of the part, then for all parts at the second.
             """
-            nodes = lengths.size  # parts times m
+            count_of_parts = lengths.size  # in all samples
+            first_points = np.arange(count_of_parts)
             first, second = (
-                _in_parts(loops.cases(np.arange(k * nodes, (k + 1) * nodes), shape), lengths.shape)
-                for k in range(2)
+                _in_parts(loops.cases(points, shape), lengths.shape)
+                for points in (first_points, first_points + count_of_parts)
             )
             return constant_over_steps(first, second, lengths)
 
