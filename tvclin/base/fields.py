@@ -125,8 +125,8 @@ class Field:
     help: str = ""
 
     @property
-    def called(self) -> str:
-        """Name in a file."""
+    def file_key(self) -> str:
+        """Key in a file, without a unit: `key`, or where that is empty `name`."""
         return self.key or self.name
 
     @property
@@ -496,12 +496,13 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
     single = [item for item in specified if not item.many]
     return replace(
         FileTable(heading, **more),
-        quantities={item.called: item.kind for item in single if item.numeric}
+        quantities={item.file_key: item.kind for item in single if item.numeric}
         | more.get("quantities", {}),
-        words=(*(item.called for item in single if not item.numeric), *more.get("words", ())),
-        lists=(*(item.called for item in specified if item.many), *more.get("lists", ())),
+        words=(*(item.file_key for item in single if not item.numeric), *more.get("words", ())),
+        lists=(*(item.file_key for item in specified if item.many), *more.get("lists", ())),
+        # attributes by key, where that is not the attribute's name
         fields={item.key: item.name for item in specified if item.key},
-        checks={item.called: item.check for item in single if _in_any_unit(item)},
+        checks={item.file_key: item.check for item in single if _in_any_unit(item)},
     )
 
 
@@ -530,9 +531,9 @@ def completed(text: str, table: FileTable, kind: type) -> str:
     start = text.index(f"\n{table.heading}\n")
     end = text.find("\n\n", start + 1) % len(text)  # not found, -1, is the last line feed
     written = text[start:end]
-    missing = [item for item in _keyed(kind) if not re.search(rf"\b{item.called}(_|\b)", written)]
+    missing = [item for item in _keyed(kind) if not re.search(rf"\b{item.file_key}(_|\b)", written)]
     # of spellings in several units, such as "x_deg or x_rad", the first
-    keys = [table.spelled(item.called).split(" or ")[0] for item in missing]
+    keys = [table.spelled(item.file_key).split(" or ")[0] for item in missing]
     remarks = [
         f"also {k}: {_UNIT.sub('', item.help)}" for k, item in zip(keys, missing, strict=True)
     ]

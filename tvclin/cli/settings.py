@@ -297,7 +297,7 @@ def _field_keys() -> dict[str, tuple[str, ...]]:
             # the table with the key, which for some fields is not the record's own
             home = "campaign" if item.name in _CAMPAIGN else heading
             home = "question" if item.name in _QUESTION else home
-            keys[flag] = (*keys.get(flag, ()), f"{home}.{item.called}")
+            keys[flag] = (*keys.get(flag, ()), f"{home}.{item.file_key}")
             for group, others in ((GIVEN_GAINS, RULE_KEYS), (RULE_KEYS, GIVEN_GAINS)):
                 if heading == "autopilot" and item.name in group:  # a rule replaces gains
                     keys[flag] += tuple(f"autopilot.{field_name}" for field_name in others)

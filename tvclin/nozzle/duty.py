@@ -418,9 +418,10 @@ def duty_of_motion(
 ) -> NozzleDuty:
     """Return the duty of a nozzle in a motion: angle, rates, travel, reversals, and its torque.
 
-    `limit`: deflection limit [rad], for the time at it, or None. `window`: length [s] over which
-    the steady rate is a mean. `nozzle`: engine and hinge, None without torque. `vehicle`: None on a
-    bench.
+    `motion`: deflection at `times`, its rate at a time `at` in each step, with `weights` [s] of an
+    integral. `limit`: deflection limit [rad], for the time at it, or None. `window`: length [s]
+    over which the steady rate is a mean. `nozzle`: engine and hinge, None without torque.
+    `vehicle`: None on a bench.
     """
     t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
     width = min(window, float(t[-1] - t[0]))

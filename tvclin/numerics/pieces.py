@@ -187,7 +187,8 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     degree = max(first.degree, second.degree)
     c = []
     for p in (first, second):
-        # coefficients on the merged knots; zero before the first knot of the history
+        # coefficients of the history about each merged knot, from the piece in which that lies, at
+        # its local time u; zero before the first knot of the history
         index = _last_at_or_before(p.knots, merged)
         piece = np.maximum(index, 0)
         u = np.maximum(merged - at_pieces(p.knots, piece, trailing=0), 0.0)

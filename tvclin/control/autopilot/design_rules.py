@@ -39,7 +39,7 @@ POLE_PLACEMENT_RULES: dict[str, Callable[..., Autopilot]] = {
     "load-minimum": load_minimum_gains,
 }
 """Design rules that place poles, by name."""
-_OTHER_RULES: dict[str, Callable[..., Autopilot]] = {
+_RULES_WITHOUT_POLES: dict[str, Callable[..., Autopilot]] = {
     "canonical": canonical_gains,
     "half-relief": half_relief_gains,
     "lqr": lqr_gains,
@@ -51,16 +51,17 @@ MINIMA = ("peak", "limit")
 """Deflections that gains may minimise."""
 _DEFAULT_DAMPING = 0.7
 """Damping ratio of rules that place poles, if none is specified."""
-_RULE = ("natural_frequency", "damping")
-_DRIFT_RULE = ("drift_frequency", "drift_damping")
+_PAIR = ("natural_frequency", "damping")
+"""Numbers of the pole pair of the closed loop."""
+_DRIFT_PAIR = ("drift_frequency", "drift_damping")
 _WEIGHTS = ("alpha_weight", "drift_rate_weight", "drift_weight")
-_FURTHER = {**dict.fromkeys(_DRIFT_RULE, DRIFT_POLES), **dict.fromkeys(_WEIGHTS, "lqr")}
-"""Further numbers of a rule, and the name of that rule."""
-_POLES = {**dict.fromkeys(POLE_PLACEMENT_RULES, _RULE), DRIFT_POLES: (*_RULE, *_DRIFT_RULE)}
-"""Numbers of the poles of a rule, by its name."""
+_ONLY_RULE = {**dict.fromkeys(_DRIFT_PAIR, DRIFT_POLES), **dict.fromkeys(_WEIGHTS, "lqr")}
+"""The only rule that has a number, by the name of the number."""
+_PAIRS = {**dict.fromkeys(POLE_PLACEMENT_RULES, _PAIR), DRIFT_POLES: (*_PAIR, *_DRIFT_PAIR)}
+"""Numbers of the pole pairs of a rule, by its name."""
 _FREQUENCIES = ("natural_frequency", "drift_frequency")
-"""Numbers of poles that have no default."""
-RULE_PARAMETERS = ("design", *_RULE, *_FURTHER)
+"""Numbers of pole pairs that have no default."""
+RULE_PARAMETERS = ("design", *_PAIR, *_ONLY_RULE)
 RULE_KEYS = (*RULE_PARAMETERS, "crossover")
 GIVEN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
 """Gains on attitude, its rate and the angle of attack, which replace a rule or follow from it."""
@@ -293,8 +294,8 @@ def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> 
         del options[name]
     if rule == DRIFT_POLES:
         return drift_gains(plant, **numbers, **options)
-    if rule in _OTHER_RULES:  # canonical, half-relief and lqr
-        return _OTHER_RULES[rule](plant, **numbers, **options)
+    if rule in _RULES_WITHOUT_POLES:  # canonical, half-relief and lqr
+        return _RULES_WITHOUT_POLES[rule](plant, **numbers, **options)
     return POLE_PLACEMENT_RULES[rule](plant.coefficients, **numbers, **options)
 
 
@@ -305,22 +306,22 @@ def _rule_numbers(design: AutopilotDesign) -> tuple[str, dict[str, float]]:
     numbers are natural frequencies [rad/s], damping ratios, and weights. `InputError` for a rule
     with too few numbers or too many, and for a gain of the design that the rule determines.
     """
-    values = {name: getattr(design, name) for name in (*_RULE, *_FURTHER)}
+    values = {name: getattr(design, name) for name in (*_PAIR, *_ONLY_RULE)}
     numbers = {name: value for name, value in values.items() if value is not None}
-    has_poles = any(name in numbers for name in _RULE)
+    has_poles = any(name in numbers for name in _PAIR)
     default = "poles" if has_poles else "canonical"
     rule = errors.one_of("design", design.design or default, DESIGNS)
     for name in numbers:
-        if _FURTHER.get(name, rule) != rule:  # the rule that has this number
+        if _ONLY_RULE.get(name, rule) != rule:
             raise errors.InputError(
-                f"{name} is of gains by design {_FURTHER[name]}; got design {rule}"
+                f"{name} is of gains by design {_ONLY_RULE[name]}; got design {rule}"
             )
     for name in _designed_drift_gains(rule, numbers):
         if getattr(design, name):
             raise errors.InputError(f"{name} follows from design {rule}; leave it out")
-    if rule in _OTHER_RULES and has_poles:
+    if rule in _RULES_WITHOUT_POLES and has_poles:
         raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
-    for name in _POLES.get(rule, ()):
+    for name in _PAIRS.get(rule, ()):
         if name not in numbers and name in _FREQUENCIES:
             raise errors.InputError(f"design {rule} needs {name}, in rad/s")
         numbers.setdefault(name, _DEFAULT_DAMPING)

@@ -111,9 +111,10 @@ def _frequencies(terms: Terms, k: int) -> FloatArray:
     """Return rising search frequencies [rad/s] around a mode (or its alias), ``(loops, m)``.
 
     Close together within 40 half-widths of its resonance, and from 1/20 to 20 of its frequency; at
-    most half the sample rate. `terms`: partial fractions of the loops. `k`: index of the mode.
+    most half the sample rate. `terms`: partial fractions of the loops, in s, or in w of the
+    bilinear rule if sampled. `k`: index of the mode.
     """
-    pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])  # [1/s], (loops, 1)
+    pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])  # in s [1/s], (loops, 1)
     # Half-width of the resonance; a mode without damping would have none.
     width = np.maximum(np.abs(pole.real), 1e-6 * np.abs(pole))
     resonance = pole.imag + width * _OFFSETS  # -40 to 40 half-widths
