@@ -117,8 +117,9 @@ def _linear_program(
 def initial_cells(window: Window) -> FloatArray:
     """Return breakpoints [s] of cells up to the end of a `window`, ``(k + 1,)``, from zero on.
 
-    They are even in e^(-p u/4) for every pole p, and even in each period of a complex pair, up to
-    `TRUNCATED` e-folding times of the slowest pole; one more cell reaches to the end.
+    For every pole p they are 150 even in e^(-u Re(p)/4), and for a complex pair 24 in half a period
+    (within 4000), up to `TRUNCATED` e-folding times of the slowest pole; one more cell reaches to
+    the end.
     """
     c = window.constraints
     last = min(window.end, TRUNCATED / c.decays.min())
@@ -126,7 +127,7 @@ def initial_cells(window: Window) -> FloatArray:
     for pole in c.poles:
         decay = np.real(pole)
         parts.append(decay_spaced_times(decay, last, 150))
-        if np.imag(pole):  # 24 cells in half a period, within 4000
+        if np.imag(pole):
             count = min(last * np.imag(pole) / np.pi * 24.0, 4000.0)
             parts.append(np.linspace(0.0, last, int(count) + 2))
     inside = np.unique(np.minimum(np.concatenate(parts), last))

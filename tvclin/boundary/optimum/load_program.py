@@ -337,12 +337,12 @@ class LoadProgram:
             # sum and first moment; the clip keeps it of one sign, and any weights prove a bound
             node_weights, (start, end) = np.zeros(n + 1), weights.reshape(2, n) / self.widths
             total = start + end
-            share = np.where(total == 0.0, 0.5, start / np.where(total == 0.0, 1.0, total))
-            share = np.clip(3.0 * share - 1.0, 0.0, 1.0)
-            density_ends = 2.0 * total * np.stack([share, 1.0 - share])
+            weight_share = np.where(total == 0.0, 0.5, start / np.where(total == 0.0, 1.0, total))
+            density_share = np.clip(3.0 * weight_share - 1.0, 0.0, 1.0)  # both of the start
+            density_ends = 2.0 * total * np.stack([density_share, 1.0 - density_share])
             first, last = density_ends[:, :, np.newaxis]
-            here = first * (1.0 - _INSIDE) + last * _INSIDE
-            weighted_load = float(self.widths @ (self.reference_load * here @ _SIMPSON))
+            density = first * (1.0 - _INSIDE) + last * _INSIDE  # at nine times of each cell
+            weighted_load = float(self.widths @ (self.reference_load * density @ _SIMPSON))
         weighed = LoadWeights(
             case=case,
             widths=self.widths,

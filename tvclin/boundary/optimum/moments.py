@@ -64,12 +64,12 @@ class Constraints:
     @cached_property
     def decays(self) -> FloatArray:
         """Decay rate [1/s] of each exponential e_i, ``(n,)``."""
-        return np.repeat(np.real(self.poles), self._rows)
+        return np.repeat(np.real(self.poles), self._rows_of_poles)
 
     @cached_property
     def pulsations(self) -> FloatArray:
         """Angular frequency [rad/s] of each exponential e_i, ``(n,)``; zero at real poles."""
-        return np.repeat(np.imag(self.poles), self._rows)
+        return np.repeat(np.imag(self.poles), self._rows_of_poles)
 
     def basis(self, u: FloatArray) -> FloatArray:
         """Return the poles' exponentials e_i at times `u` [s], ``(k,)``, as rows ``(n, k)``.
@@ -104,8 +104,8 @@ class Constraints:
         if self.real:
             return values
         components = np.stack([np.real(values), -np.imag(values)], axis=1)
-        # a real pole has the real part alone
-        wanted = np.stack([np.ones(self.poles.size, dtype=bool), self._rows == 2], axis=1)
+        # each pole has the real part, and one of two rows the imaginary part too
+        wanted = np.stack([np.ones(self.poles.size, dtype=bool), self._rows_of_poles == 2], axis=1)
         return components[wanted]
 
     def complex_values(self, rows: FloatArray) -> AnyArray:
@@ -115,13 +115,15 @@ class Constraints:
         """
         if self.real:
             return rows
-        first = np.cumsum(self._rows) - self._rows  # first row of each pole, which has one or two
-        paired = self._rows == 2
+        first = (
+            np.cumsum(self._rows_of_poles) - self._rows_of_poles
+        )  # first row of each pole, which has one or two
+        paired = self._rows_of_poles == 2
         second = np.where(paired, rows[np.minimum(first + 1, rows.size - 1)], 0.0)
         return rows[first] - 1j * second
 
     @cached_property
-    def _rows(self) -> IndexArray:
+    def _rows_of_poles(self) -> IndexArray:
         """Number of real conditions of each pole, ``(m,)``: one, or two for a pair."""
         return np.where(np.imag(self.poles) == 0.0, 1, 2)
 

@@ -402,7 +402,8 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
     nodes, peak, slope = program.nodes, np.abs(values).max(), program.rate / program.unit
     at_peak = np.abs(values) > peak * (1.0 - _ACTIVE_DISTANCE)
     distance = _ACTIVE_DISTANCE * np.minimum(peak, program.steps)
-    # intervals at full rate, and at one peak; elsewhere a finer deflection may be better
+    # intervals at full rate, with the largest change (`steps`), and at one peak; elsewhere a finer
+    # deflection may be better
     full = np.abs(np.diff(values)) > program.steps - distance
     flat = at_peak[:-1] & at_peak[1:] & (values[:-1] * values[1:] > 0.0)
     decays = program.constraints.decays[:, np.newaxis]

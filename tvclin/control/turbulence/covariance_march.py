@@ -252,7 +252,7 @@ def march_times(
     constant = isinstance(loop, DrivenLoop)
     longest = _STEP_OF_ONE_VEHICLE_S if constant else _STEP_OF_A_FLIGHT_S
     # lengths [s] of the steps up to each jump of the states in a sample, or of one step
-    steps_by_interval = [_sample_steps(jump) for jump in loop.jumps] or [np.array([longest])]
+    steps_by_interval = [_steps_before(jump) for jump in loop.jumps] or [np.array([longest])]
     lengths = np.concatenate(steps_by_interval)
     repetitions = (stop - start) / lengths.sum() - 1e-9  # rounding adds none
     if repetitions * lengths.size > _MAX_STEPS:
@@ -271,7 +271,7 @@ def march_times(
     return np.asarray(grid[np.concatenate([[True], ~close])])
 
 
-def _sample_steps(jump: Jump) -> FloatArray:
+def _steps_before(jump: Jump) -> FloatArray:
     """Return the lengths [s] of the steps in the interval before a jump, ``(steps,)``.
 
     They are equal, and 0.01 s at most. `jump`: jump of the states at a sample of the loop, with the
@@ -390,7 +390,7 @@ def _jumps_before(
     """
     jumps: list[Jump | None] = [None] * (len(times) - 1)
     # number of steps from a sample to the end of each of its intervals
-    ends = np.cumsum([_sample_steps(jump).size for jump in loop.jumps])
+    ends = np.cumsum([_steps_before(jump).size for jump in loop.jumps])
     numbers = first + np.arange(len(times) - 1)
     for index, end in enumerate(ends):
         steps_per_sample = ends[-1]
