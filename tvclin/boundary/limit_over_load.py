@@ -367,7 +367,8 @@ class LoadLimits:
         for program in (self.program, self.dense_program):
             if self._refine(load, program) and np.isfinite(self._attained(load)):
                 break
-        # without a control within the load: others of more peak and less load, to be mixed with
+        # no computed control is within the load, as a mixture requires one of less load: others of
+        # minimum load, within multiples of the proved peak
         for multiple in _PEAKS_OVER_PROOF:
             program = self.dense_program
             for _ in range(2):

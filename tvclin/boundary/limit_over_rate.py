@@ -559,11 +559,13 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
         return np.inf
 
     def excess(exponent: float) -> float:
-        """Return 1/deflection - 1/limit [1/rad] at the rate `lowest` e^`exponent`; it rises.
+        """Return 1/minimum - 1/limit [1/rad] at the rate `lowest` e^`exponent`; it rises.
 
-        Reciprocals are finite where no deflection is sufficient, near the lowest rate.
+        `deflection` returns the minimum deflection at a rate. Its reciprocal is finite where it is
+        infinite, none being sufficient, near the lowest rate.
         """
-        return 1.0 / deflection(float(np.exp(exponent)) * lowest) - 1.0 / limit
+        minimum = deflection(float(np.exp(exponent)) * lowest)
+        return 1.0 / minimum - 1.0 / limit
 
     if excess(_NEGLIGIBLE) >= 0.0:
         return lowest

@@ -523,11 +523,11 @@ def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyAr
 
 
 def _split_endless(pieces: Pieces, pole: AnyArray) -> Pieces:
-    """Return histories with their endless last piece split where a rate is close to the pole.
+    """Return histories with their endless last piece split in two where a rate is near the pole.
 
     Such a rate is resonant: its term is expanded as a polynomial times e^(pole u), which is exact
-    only in a piece of limited width. `pieces`: the histories. `pole`: of the lag that they drive,
-    ``(...)`` [1/s].
+    only in a piece of limited width, the first of the two. `pieces`: the histories. `pole`: of the
+    lag that they drive, ``(...)`` [1/s].
     """
     last = pieces.coefficients[..., -1:, :, :]
     gap = np.abs(pieces.rates - pole[..., np.newaxis])

@@ -444,9 +444,9 @@ class EncounteredWind:
             """Return the numbers `x` of the cases; a scalar is the same in all."""
             return x[cases] if np.size(x) > 1 else x
 
-        pitch, yaw = map(selected, self.of_angle)
+        pitch, yaw = map(selected, self.of_angle)  # fractions of the wind angle in the planes
         winds = replace(self, path=selected(self.path), of_angle=(pitch, yaw))
-        # and its histories of angle and speed
+        # and the histories of wind angle and wind speed
         return winds._with(lambda x: x.cases(cases, (count,)) if x.batch else x)
 
 

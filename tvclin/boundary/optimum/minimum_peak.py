@@ -139,10 +139,11 @@ def optimum_deflection(
 
     Notes
     -----
-    With one pole the deflection is constant, delta = beta e^(beta t1) D; with two real ones it
-    changes its sign once, eqs (C5) and (C6) of the report; with N real ones at most N - 1 times,
-    and without end for a complex pair, which is followed until the rest is below 1e-12 of the norm
-    (the deflection is zero from there on). In general it is the peak times the sign of lambda . e.
+    With one pole beta the deflection is constant, delta = beta e^(beta t1) D, D being the integral
+    of e^(-beta t) delta dt by eq (C1) of the report; with two real ones it changes its sign once,
+    eqs (C5) and (C6); with N real ones at most N - 1 times, and without end for a complex pair,
+    which is followed until the rest is below 1e-12 of the norm (the deflection is zero from there
+    on). In general it is the peak times the sign of a sum of the poles' exponentials e^(-p t).
 
     Examples
     --------

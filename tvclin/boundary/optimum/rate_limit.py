@@ -194,7 +194,7 @@ class RateProgram:
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
         count = self.nodes.size - 1
-        below, equal = self._rows(aim == _RATE)
+        below, equal = self._rows(aim == _RATE)  # rows of inequalities <= 0, and of equations
         # each condition is divided by the size of its row
         demands = self.constraints.demands / self.sizes / self.unit
         right, upper = np.append(np.zeros(count), demands), np.zeros(below.shape[0])

@@ -177,15 +177,15 @@ def _highest_losses(
     refinement counts its steps from the highest loss before it; whenever a further value is lost,
     as many steps above that value must survive. `lost`: function from values ``(k, n)`` to whether
     they are lost. `scan`: values of the first scan, rising, ``(k, n)`` or ``(k, 1)``. `levels`: for
-    each refinement its step, the number of steps above a loss that must survive, and the stride of
-    the steps that the previous level has tried.
+    each refinement its step, the number of steps above a loss that must survive, and a stride s:
+    the previous level has tried every s-th step, and none with s = 1.
     """
     highest, ends = np.where(lost(scan), scan, -np.inf).max(axis=0), []
     for step, clear, stride in levels:
         start, first, last = np.maximum(highest, scan[0]), 1, clear
         while first <= last:
             steps = np.arange(first, last + 1)
-            steps = steps[(steps % stride != 0) | (stride == 1)]  # others were tried before
+            steps = steps[(steps % stride != 0) | (stride == 1)]  # without those tried before
             values = start + step * steps[:, np.newaxis]
             diverged = lost(values)
             highest = np.maximum(highest, np.where(diverged, values, -np.inf).max(axis=0))
