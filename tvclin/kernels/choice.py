@@ -53,7 +53,7 @@ def in_slices(work: Callable[[int, int], None], cases: int, seconds: float) -> N
 
     `work`: computes the cases from `first` up to `last`; it must release the interpreter's lock.
     `cases`: number of cases. `seconds`: approximate time of all cases in one thread, which gives
-    the number of threads. Slices begin at multiples of `_SLICE_ALIGNMENT` cases.
+    the number of threads: one if it is zero. Slices begin at multiples of `_SLICE_ALIGNMENT` cases.
     """
     blocks = -(-cases // _SLICE_ALIGNMENT)
     threads = int(min(seconds / _MIN_SECONDS_PER_THREAD, blocks))
@@ -82,9 +82,9 @@ DISABLING = "NUMBA_DISABLE_JIT"
 """Environment variable with which numba does not compile."""
 
 _pinned: ContextVar[bool | None] = ContextVar("_pinned", default=None)
-_may_wait: ContextVar[bool] = ContextVar("_waits", default=True)
+_may_wait: ContextVar[bool] = ContextVar("_may_wait", default=True)
 """Whether a call may wait for compilation."""
-_similar_calls: ContextVar[int] = ContextVar("_alike", default=1)
+_similar_calls: ContextVar[int] = ContextVar("_similar_calls", default=1)
 """Approximate number of similar calls."""
 
 
@@ -129,23 +129,24 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
     """Return a kernel itself, or its machine code where that pays, without counting the work.
 
     `function`: marked by `kernels.source.kernel`. `seconds`: approximate time of the call in plain
-    Python, taken as often as `repeated` says. Machine code is compiled if all that takes longer
-    than `_MIN_COMPILING_SECONDS`, and loaded from disk from `_MIN_LOADING_SECONDS` on. Inside a
-    command it is also compiled if calls of all commands add up to that time, and stays once taken.
+    Python, which counts as often as the context `repeated` says. Machine code is compiled if all
+    that takes longer than `_MIN_COMPILING_SECONDS`, and loaded from disk from
+    `_MIN_LOADING_SECONDS` on. Inside a command it is also compiled if calls of all commands add up
+    to the first time, and a kernel that ran as machine code once does so to the end of the command.
     """
     if not available():
         return function
     compiled = _pinned.get()
     if compiled is None:
         total, command = seconds * _similar_calls.get(), _command.get()
+        # plain work of the kernel in this command before
         earlier = 0.0 if command is None else command.by_kernel.get(function, 0.0)
         compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
-        # whether the import of numba pays
-        loads = (
+        importing_pays = (  # numba
             command is None or _is_imported() or command.seconds + total > _MIN_IMPORTING_SECONDS
         )
         compiled = compile_now or (
-            loads
+            importing_pays
             and earlier + total > _MIN_LOADING_SECONDS
             and (
                 _is_cached(function)

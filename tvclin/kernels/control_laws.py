@@ -7,7 +7,7 @@ coordinate z of the fast unstable mode follow a lean Z, as in `laws.recoverable`
 import math
 from typing import Any, NamedTuple
 
-from tvclin.kernels.source import bare, inlined, kernel
+from tvclin.kernels.source import allocation_free, inlined, kernel
 
 MAX_SLOW_COORDINATE = 0.9999
 """Largest slow coordinate, over its reach, that the law assumes."""
@@ -248,7 +248,7 @@ def minimum_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last
             )
 
 
-@bare
+@allocation_free
 def _recoverable_fraction(z: float, w: float, power: float) -> float:
     """Return the largest fraction of (z, w), at most one, that is recoverable.
 

@@ -8,7 +8,7 @@ trim: between the last one short of K times the demand, and the next.
 import math
 from typing import Any
 
-from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.source import allocation_free, kernel
 
 PLAIN, COMPILED = 1.5e-6, 7e-9
 """Seconds per step, in plain Python and as machine code."""
@@ -81,7 +81,7 @@ def dead_band_exits(
         positions[case] = position
 
 
-@bare
+@allocation_free
 def _demand_at(curves: Any, position: float) -> float:
     """Return the demand [rad] at a position in steps (2.5: middle of the third step).
 
@@ -97,7 +97,7 @@ def _demand_at(curves: Any, position: float) -> float:
     return a + u * (s + u * (quadratic + u * cubic))
 
 
-@bare
+@allocation_free
 def _excess(curves: Any, sign: float, dead_band: float, floor: float, position: float) -> float:
     """Return trim, at least `floor`, minus K times the demand [rad], at a position in steps.
 
@@ -112,7 +112,7 @@ def _excess(curves: Any, sign: float, dead_band: float, floor: float, position: 
     return max(height, floor) - dead_band * sign * _demand_at(curves, position)
 
 
-@bare
+@allocation_free
 def _exit(
     curves: Any, sign: float, dead_band: float, floor: float, low: float, high: float
 ) -> float:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.kernels.source import bare
+from tvclin.kernels.source import allocation_free
 
 _NEGLIGIBLE_TERM = 1e-18
 """Term of a sum, relative to it, that is below its rounding."""
@@ -48,10 +48,11 @@ order of the step's square, with Halley's curvature of its cube."""
 class Wind(NamedTuple):
     """Wind f of a unit peak, with integrals at its n breakpoints.
 
-    `knots`: breakpoints [s], ``(n,)``. `coefficients`: of the terms c u^k e^(rate u) of each piece,
-    ``(n, rates, degree + 1)``. `rates`: [1/s], ``(rates,)``. `marched`: written by
-    `integrate_wind`: the remaining integral, and the state x and y of trim's filter, at each
-    breakpoint, ``(3, n)``. `work`: work array of `advance_filter`, ``(2, degree + 1)``.
+    `knots`: breakpoints [s], ``(n,)``. `coefficients`: c of the terms c u^k e^(rate u) of each
+    piece, u being the time since its breakpoint, ``(n, rates, degree + 1)``; the last piece, after
+    the wind, is zero. `rates`: [1/s], ``(rates,)``. `marched`: written by `integrate_wind`: the
+    remaining integral [s], and the state x [s^2] and y [s] of trim's filter, at each breakpoint,
+    ``(3, n)``. `work`: work array of `advance_filter`, ``(2, degree + 1)``.
     """
 
     knots: Any
@@ -64,9 +65,10 @@ class Wind(NamedTuple):
 class ExitLaw(NamedTuple):
     """Numbers of the exit of the dead band.
 
-    `p`: unstable pole [1/s]. `K`: dead band. `gain`: b2 - b1 [1/s] of trim's filter; zero for trim
-    without drift. `b1`, `q`: of this filter [1/s, 1/s^2]. `trim_drives`: whether trim itself, not
-    the wind, is the driver.
+    `p`: unstable pole [1/s]. `K`: dead band, trim that is followed over the deflection limit.
+    `gain`, `b1`, `q`: of trim's filter (s^2 + b2 s + q)/(s^2 + b1 s + q), the drift: b2 - b1 [1/s],
+    zero for trim without drift, b1 [1/s] and q [1/s^2]. `trim_drives`: whether trim itself, not the
+    wind, is the driver, which is compared with K times the demand.
     """
 
     p: Any
@@ -77,7 +79,7 @@ class ExitLaw(NamedTuple):
     trim_drives: Any
 
 
-@bare
+@allocation_free
 def piece_value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
     """Return value, slope and curvature of a piece of a history at the local time u [s].
 
@@ -105,9 +107,9 @@ def piece_value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
     return value, slope, curvature
 
 
-@bare
+@allocation_free
 def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> Any:
-    """Return the integral of e^(-p v) f(u + v) dv over the remainder of a piece f.
+    """Return the integral [s] of e^(-p v) f(u + v) dv over the remainder of a piece f.
 
     `c`, `rates`: coefficients ``(rates, degree + 1)`` and rates [1/s] of the terms c u^k e^(rate u)
     of f. `u`: local time at which the remainder begins [s]. `remainder`: its length [s]. `p`: pole
@@ -150,12 +152,12 @@ def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> An
     return total
 
 
-@bare
+@allocation_free
 def _recentred(c: Any, r: int, k: int, u: float) -> Any:
-    """Return the coefficient of u^k, at rate number r, of a piece expanded about a local time u.
+    """Return the coefficient of (v - u)^k of the polynomial number r of a piece, about v = u [s].
 
-    `c`: coefficients of v^k e^(rate v) about zero, ``(rates, degree + 1)``. `u`: [s]. The factor
-    e^(rate u) of the expansion is omitted.
+    `c`: coefficients of the piece's terms v^k e^(rate_r v), ``(rates, degree + 1)``. It is the sum
+    over j of binomial(j, k) u^(j - k) c_rj. The caller has the factor e^(rate_r u).
     """
     degree = c.shape[1] - 1
     if u == 0.0 or k == degree:
@@ -170,11 +172,11 @@ def _recentred(c: Any, r: int, k: int, u: float) -> Any:
     return total
 
 
-@bare
+@allocation_free
 def advance_filter(
     c: Any, rates: Any, u: float, x: float, y: float, b1: float, q: float, work: Any
 ) -> tuple[float, float]:
-    """Return the state (x, y) of the filter x' = y, y' = f - b1 y - q x a time u [s] later.
+    """Return the state (x, y) of trim's filter, x' = y, y' = f - b1 y - q x, a time u [s] later.
 
     The wind f is a sum of terms c v^k e^(rate v). `c`, `rates`: coefficients ``(rates, degree +
     1)`` and rates [1/s]. `x`, `y`: the state at the start, where v = 0. `b1`, `q`: of the filter
@@ -222,16 +224,16 @@ def advance_filter(
     return new_x, new_y
 
 
-@bare
+@allocation_free
 def _impulse_series(
     work: Any, degree: int, rate: Any, step: float, b1: float, q: float, size: float
 ) -> tuple[float, float]:
-    """Return the impulse response f of the filter y'' + b1 y' + q y and its slope g, by series.
+    """Return the impulse response f [s] of y'' + b1 y' + q y and its slope g, after a time `step`.
 
-    Both after a time `step` [s]. To row 1 of `work` ``(2, degree + 1)`` the responses to v^k
-    e^(rate v) are written, sums of the same terms: the response to k - 1 is the source of the next.
-    `degree`: highest k. `rate`: [1/s]. `b1`, `q`: [1/s, 1/s^2]. `size`: bound of all rates times
-    the step, which is at most one.
+    By power series in the `step` [s]. The responses to v^k e^(rate v), k up to `degree`, are
+    written to row 1 of `work` ``(2, degree + 1)``; term n of number k follows from those of number
+    k and k - 1 before. `rate`: [1/s]. `b1`, `q`: [1/s, 1/s^2]. `size`: bound of all rates times the
+    step, at most one.
     """
     for k in range(degree + 1):
         work[0, k], work[1, k] = 0.0, 0.0
@@ -251,13 +253,15 @@ def _impulse_series(
     return f, g
 
 
-@bare
+@allocation_free
 def integrate_wind(wind: Wind, law: ExitLaw) -> None:
-    """Write the remaining integral and the filter's state at each breakpoint, to `wind.marched`.
+    """Write the remaining integral and the filter's state at each breakpoint of a wind f.
 
-    Backwards the integral W of e^(-p r) f(t + r) dr over the remaining wind f, W_i = that over the
-    segment + e^(-p width) W_(i+1); forwards the state x, y = x' of the filter of trim, x'' + b1 x'
-    + q x = f. `wind`: its breakpoints and pieces. `law`: p, b1 and q.
+    Row 0 of `wind.marched` becomes W, the integral of e^(-p r) f(t + r) dr over all time r after
+    each breakpoint t: backwards from zero, W_i = the integral over piece i + e^(-p width) W_(i+1).
+    Rows 1 and 2 become the state x and y = x' of trim's filter x'' + b1 x' + q x = f, forwards.
+    `wind`: breakpoints, and pieces: coefficients c and rates of terms c u^k e^(rate u); complex
+    ones come in conjugate pairs, so that the real part is the integral. `law`: p, b1 and q.
     """
     knots, c, rates, marched, _ = wind
     p, last = law.p, knots.size - 1
@@ -269,12 +273,14 @@ def integrate_wind(wind: Wind, law: ExitLaw) -> None:
     integrate_filter(wind, law)
 
 
-@bare
+@allocation_free
 def integrate_filter(wind: Wind, law: ExitLaw) -> None:
-    """Write the state (x, y) of x'' + b1 x' + q x = f, y = x', at n breakpoints of a wind f.
+    """Write the state (x, y) of trim's filter at n breakpoints of a wind f, from zero on.
 
-    Trim over -B is f + gain y; where `law.gain`, which is b2 - b1, is zero the states are. They
-    become the last two rows of `wind.marched`, ``(3, n)``, whose first is the remaining integral.
+    The filter is the effect of drift on trim, x'' + b1 x' + q x = f and y = x': trim is f + gain y,
+    times -B, trim deflection per angle of attack. Without drift, where `law.gain` = b2 - b1 is
+    zero, the states are zero. They become rows 1 and 2 of `wind.marched`, ``(3, n)``, whose row 0
+    is the remaining integral.
     """
     knots, c, rates, marched, work = wind
     gain, b1, q = law.gain, law.b1, law.q
@@ -287,9 +293,9 @@ def integrate_filter(wind: Wind, law: ExitLaw) -> None:
         marched[1, i + 1], marched[2, i + 1] = x, y
 
 
-@bare
+@allocation_free
 def onset_piece(wind: Wind) -> int:
-    """Return the index of the first piece of a wind that differs from zero."""
+    """Return the index of the first piece of a wind that differs from zero; the last if none."""
     knots, c = wind.knots, wind.coefficients
     for i in range(knots.size - 1):
         if knots[i + 1] > knots[i]:
@@ -300,14 +306,14 @@ def onset_piece(wind: Wind) -> int:
     return knots.size - 1
 
 
-@bare
+@allocation_free
 def cell_count(wind: Wind, law: ExitLaw, i: int) -> int:
     """Return the number of cells into which segment i of a wind is divided to find sign changes.
 
     Within a cell no second derivative changes its sign twice. The number is one more than the width
-    times the fastest rate: `_CELLS_PER_RATE` times the rates of the wind's terms u^k e^(rate u),
-    and where trim is filtered by x'' + b1 x' + q x (`law`) b1 and sqrt(q); and more for powers k
-    above one.
+    times the fastest rate: `_CELLS_PER_RATE` times the rates of the wind's terms u^k e^(rate u), or
+    b1 and sqrt(q) of trim's filter x'' + b1 x' + q x (`law`), without effect where its gain is
+    zero; and more for powers k above one. `_MAX_CELLS` bounds it.
     """
     knots, c, rates, _, _ = wind
     gain, b1, q = law.gain, law.b1, law.q
@@ -322,12 +328,14 @@ def cell_count(wind: Wind, law: ExitLaw, i: int) -> int:
     return 1 + int(min(fastest * (knots[i + 1] - knots[i]) + from_degree, _MAX_CELLS))
 
 
-@bare
+@allocation_free
 def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
     """Return the number of intervals of segment i of a wind in which the driver is monotone.
 
-    The driver is the wind or its trim, as `law` says: what is compared with K times the demand. To
-    `ends` the ends of the intervals are written, local times [s]; a segment without width has none.
+    The driver, which is compared with K times the demand, is trim where `law.trim_drives`, else the
+    wind. `ends`: written: the ends of the intervals, one more than these, as times since the begin
+    of the segment [s]. They are the ends of cells, and the times at which the driver's slope
+    changes its sign. A segment without width has no interval.
     """
     width, count = wind.knots[i + 1] - wind.knots[i], 0
     ends[0] = 0.0
@@ -346,7 +354,7 @@ def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
     return count
 
 
-@bare
+@allocation_free
 def filter_state(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float]:
     """Return the state (x, y) of trim's filter at the local time u [s] of segment i of a wind f.
 
@@ -362,13 +370,14 @@ def filter_state(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, flo
     return advance_filter(c[i], rates, u, marched[1, i], marched[2, i], b1, q, work)
 
 
-@bare
+@allocation_free
 def _trim(law: ExitLaw, wind_terms: Any, x: float, y: float) -> tuple[float, float, float]:
-    """Return trim g over -B, its slope and its curvature, from the wind's and the filter's state.
+    """Return g = f + gain y, its slope and curvature [1, 1/s, 1/s^2], for a wind f of unit peak.
 
-    g = f + gain y of the wind f, with the filter y' = f - b1 y - q x, x' = y, and so y'' = f' - b1
-    y' - q y. `law`: gain (b2 - b1), b1 and q. `wind_terms`: f, f' and f''. `x`, `y`: state of the
-    filter.
+    Trim with drift is -B g, with B = trim deflection per angle of attack; the minus, since a wind
+    lowers the angle of attack. `law`: gain (b2 - b1), b1 and q of its filter y' = f - b1 y - q x,
+    x' = y, so that y'' = f' - b1 y' - q y. `wind_terms`: f, f' and f''. `x`, `y`: the filter's
+    state.
     """
     gain, b1, q = law.gain, law.b1, law.q
     f, slope, curvature = wind_terms
@@ -376,12 +385,13 @@ def _trim(law: ExitLaw, wind_terms: Any, x: float, y: float) -> tuple[float, flo
     return f + gain * y, slope + gain * first, curvature + gain * (slope - b1 * first - q * y)
 
 
-@bare
+@allocation_free
 def driver(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float, float]:
-    """Return the driver, its slope and its curvature at the local time u [s] of segment i.
+    """Return the driver, its slope and its curvature [1, 1/s, 1/s^2] at a time of a wind.
 
-    The driver is what is compared with K times the demand at the exit of the dead band: the wind
-    itself, or its trim over -B where `law.trim_drives`.
+    The driver is compared with K times the demand at the exit of the dead band. It is the wind of
+    unit peak, or where `law.trim_drives` its trim over -B, B being trim deflection per angle of
+    attack. `i`, `u`: segment of the wind, and time since its begin [s].
     """
     wind_terms = piece_value(wind.coefficients[i], wind.rates, u)
     if not law.trim_drives or law.gain == 0.0:
@@ -390,26 +400,26 @@ def driver(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float, fl
     return _trim(law, wind_terms, x, y)
 
 
-@bare
+@allocation_free
 def demand(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
     """Return the demand at the local time u [s] of segment i of a wind, over -B and its peak.
 
     It is the constant deflection that, from then on, satisfies the boundary condition (4b) of the
-    report; infinite where trim grows faster than the unstable mode. `law`: unstable pole and filter
-    of trim.
+    report; infinite where trim grows faster than the unstable mode. B is trim deflection per angle
+    of attack, so that the demand is a number. `law`: unstable pole and filter of trim.
     """
     x, y = filter_state(wind, law, i, u)
     return _demand(wind, law, i, u, x, y)
 
 
-@bare
+@allocation_free
 def _demand(wind: Wind, law: ExitLaw, i: int, u: float, x: float, y: float) -> float:
     """Return the demand at the local time u [s] of segment i, from the filter's state (x, y) there.
 
-    It is the constant deflection over -B that, from then on, satisfies eq (4b) of the report;
-    infinite where the filter y'' + b1 y' + q y of trim grows as fast as the mode, -b1/2 +
-    sqrt(b1^2/4 - q) >= p. `wind`: with its remaining integrals at breakpoints, row 0 of `marched`.
-    `law`: p, b1 and q.
+    It is the constant deflection, over -B (trim deflection per angle of attack), that from then on
+    satisfies eq (4b) of the report; infinite where the filter y'' + b1 y' + q y of trim grows as
+    fast as the mode, -b1/2 + sqrt(b1^2/4 - q) >= p. `wind`: with its remaining integrals at
+    breakpoints, row 0 of `marched`. `law`: p, b1 and q.
     """
     knots, c, rates, marched, _ = wind
     gain, b1, q = law.gain, law.b1, law.q
@@ -429,12 +439,13 @@ def _demand(wind: Wind, law: ExitLaw, i: int, u: float, x: float, y: float) -> f
     return demand_of_integral(law, law.p, integral, x, y)
 
 
-@bare
+@allocation_free
 def remaining_integral(wind: Wind, i: int, u: float, p: Any) -> Any:
-    """Return the integral of e^(-p r) f(t + r) dr over all the wind f after a time t.
+    """Return the integral [s] of e^(-p r) f(t + r) dr over all the wind f after a time t.
 
-    `i`, `u`: segment of the wind and local time in it [s], which are t. `p`: pole [1/s], which may
-    be complex.
+    `i`, `u`: segment of the wind in which t is, and time since its begin [s]. `p`: pole [1/s],
+    which may be complex. The segments after t are added from the last one on, each discounted by
+    e^(-p width).
     """
     knots, c, rates, _, _ = wind
     total = 0.0 * (p * c[0, 0, 0])
@@ -445,13 +456,14 @@ def remaining_integral(wind: Wind, i: int, u: float, p: Any) -> Any:
     return piece_integral(c[i], rates, u, remainder, p) + np.exp(-p * remainder) * total
 
 
-@bare
+@allocation_free
 def demand_of_integral(law: ExitLaw, p: Any, integral: Any, x: float, y: float) -> Any:
     """Return the demand D of a pole p, possibly complex, from the wind's integral and filter state.
 
-    D is the constant deflection over -B that balances the remaining trim g = f + gain y in the
-    mode, p times the Laplace transform of g from t on. With `integral` W, of e^(-p r) f(t + r) dr,
-    and the state (x, y) of the filter y' = f - b1 y - q x, x' = y (`law`, with gain b2 - b1) at t,
+    D is the constant deflection, over -B (trim deflection per angle of attack), that balances the
+    remaining trim g = f + gain y in the mode: p times the Laplace transform of g from t on. With
+    `integral` W, of e^(-p r) f(t + r) dr, and the state (x, y) of the filter y' = f - b1 y - q x,
+    x' = y (`law`, with gain b2 - b1) at t, Y being the transform of y,
 
             Y (p + b1 + q/p) = W + y - q x/p,        D = p [W + gain Y].
     """
@@ -461,17 +473,19 @@ def demand_of_integral(law: ExitLaw, p: Any, integral: Any, x: float, y: float) 
     return p * (integral + gain * (y + integral - q * x / p) / (p + b1 + q / p))
 
 
-@bare
+@allocation_free
 def evaluate(
     kind: Any, floor: float, wind: Wind, law: ExitLaw, i: int, u: float
 ) -> tuple[float, float, float]:
     """Return the function `kind`, its slope, and its curvature or zero, at the local time u [s].
 
-    Of segment i of a wind, with trim g over -B, the driver d, which is the wind or g, and the
-    demand D, the constant deflection that suffices from then on. DRIVER_SLOPE: d'. EXCESS_FORCING:
-    h = d' - p d + K p g. HEIGHT: d - floor. EXCESS: e = max(d, floor) - K D, with D' = p (D - g)
-    and D'' = p (D' - g'). The first two have no curvature: their roots are found by Newton's steps.
-    `law`: p, K, the filter of trim, and which is the driver.
+    Of segment i of a wind f, all over its peak: g is trim over -B (trim deflection per angle of
+    attack), the driver d is g or f, and the demand D the constant deflection over -B that suffices
+    from then on. `kind`: DRIVER_SLOPE is d', EXCESS_FORCING
+    h = d' - p d + K p g, HEIGHT d - floor, and EXCESS e = max(d, floor) - K D, with D' = p (D - g)
+    and D'' = p (D' - g'), so that e' = p e + h above the floor. The first two have no curvature:
+    their roots are found by Newton's steps. `law`: p, K, the filter of trim, and which is the
+    driver.
     """
     p, K = law.p, law.K
     wind_terms = piece_value(wind.coefficients[i], wind.rates, u)
@@ -493,14 +507,15 @@ def evaluate(
     return d - K * demanded, slope - K * demand_slope, curvature - K * p * (demand_slope - g_slope)
 
 
-@bare
+@allocation_free
 def sign_changes(
     kind: Any, wind: Wind, law: ExitLaw, i: int, a: float, b: float
 ) -> tuple[int, float, float]:
     """Return the number of sign changes of a function in a cell, at most two, and their times.
 
     `kind`: function of `evaluate`. `wind`, `law`, `i`: wind, numbers of the dead band, and segment.
-    `a`, `b`: ends of the cell, local times [s]. Times without a sign change are the ends.
+    `a`, `b`: ends of the cell, local times [s], within which the function's curvature changes its
+    sign once at most. With fewer than two sign changes the remaining times are ends of the cell.
     """
     at_a, slope_a, _ = evaluate(kind, 0.0, wind, law, i, a)
     at_b, slope_b, _ = evaluate(kind, 0.0, wind, law, i, b)
@@ -529,7 +544,7 @@ def sign_changes(
     return 0, start, end
 
 
-@bare
+@allocation_free
 def root(
     kind: Any,
     floor: float,
@@ -543,9 +558,10 @@ def root(
 ) -> float:
     """Return the local time [s] of a sign change of a function, by Halley's steps in a bracket.
 
-    `kind`, `floor`, `wind`, `law`, `i`: function of `evaluate`, its level, wind, numbers of the
-    dead band, and segment. `a`, `b`: ends of the bracket, local times [s]. `at_a`, `at_b`: values
-    there; without a sign change the end that is zero is returned, or b.
+    `kind`, `floor`, `wind`, `law`, `i`: arguments of `evaluate`: function, level from which it
+    counts, wind, numbers of the dead band, and segment. `a`, `b`: ends of the bracket, local times
+    [s]. `at_a`, `at_b`: values there; where their signs are equal b is returned, or the end at
+    which the function is zero.
 
     u <- u - f f'/(f'^2 - f f''/2), starting at the zero of the secant; the middle of the bracket
     where such a step would leave it.

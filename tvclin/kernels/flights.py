@@ -20,7 +20,7 @@ import math
 from tvclin.base.arrays import FloatArray
 from tvclin.kernels.control_laws import law_demand, next_mode, slow_edges
 from tvclin.kernels.flight_arrays import LOST, MEASURED, NEVER, SURVIVED, UNDECIDED, Flights
-from tvclin.kernels.source import bare, inlined
+from tvclin.kernels.source import allocation_free, inlined
 
 _SERIES_TERMS, _MAX_SERIES_ARGUMENT = 24, 2.0
 """Terms of the series of a wind that begins within a step, and its argument: 2^24/24! is 3e-17."""
@@ -364,10 +364,11 @@ def ramp_step(
 def add_engine_impulses(f: Flights, i: int, ramp: FloatArray) -> None:
     """Add the effect on the vehicle of an engine with inertia when its rate jumps, at both ends.
 
-    `f`, `i`: flight. `ramp`: effects in a substep, ``(n, 4)``: of the deflection at both ends, and
-    of the nozzle's rates before and after. The constant rate v of a substep lies between these: the
-    acceleration is (v - before) and (after - v) as impulses. The terms of v are in the first
-    columns, since v is the difference of the deflections over the time.
+    In a substep whose nozzle is limited its rate v is constant, between the rates `before` and
+    `after` it: its acceleration is the impulses v - before and after - v. `f`, `i`: batch, and
+    index of the flight. `ramp`: effects on the n states, ``(n, 4)``: of the deflection at both
+    ends, which have the terms of v too, since v is their difference over the time; and of the rates
+    before and after.
     """
     n, y, new, limit = f.vehicles.A.shape[1], f.now.y[i], f.now.next[i], f.cases.limit[i]
     before, after = nozzle_rate(y, n, limit), nozzle_rate(new, n, limit)
@@ -384,7 +385,7 @@ def nozzle_rate(y: FloatArray, n: int, limit: float) -> float:
     return y[n + 1] if abs(y[n]) <= limit else 0.0
 
 
-@bare
+@allocation_free
 def fly(f: Flights, first: int, last: int) -> None:
     """Fly the cases from `first` up to `last` of the batch f, each until its outcome is decided."""
     for i in range(first, last):
@@ -396,7 +397,7 @@ def fly(f: Flights, first: int, last: int) -> None:
             step_sample(f, i, k, demand, law.engage, law.release)
 
 
-@bare
+@allocation_free
 def fly_in_planes(
     pitch: Flights, yaw: Flights, normals: FloatArray, limit: FloatArray, first: int, last: int
 ) -> None:
@@ -434,7 +435,7 @@ def autopilot_demand(f: Flights, i: int) -> float:
     return filtered_demand(f, i, demand)
 
 
-@bare
+@allocation_free
 def measure_flights(f: Flights, k: int) -> int:
     """Write the measurements of all flights of the batch f that have not ended, at sample k.
 
@@ -447,7 +448,7 @@ def measure_flights(f: Flights, k: int) -> int:
     return count
 
 
-@bare
+@allocation_free
 def move_flights(
     f: Flights, k: int, demand: FloatArray, engage: FloatArray, release: FloatArray
 ) -> None:
@@ -519,7 +520,8 @@ def take_next_stage(f: Flights, i: int) -> None:
 def row_product(f: Flights, i: int, row: FloatArray) -> float:
     """Return the product of a row ``(s + 9,)`` with the law's states and sensed values of flight i.
 
-    The 9 sensed values are 8 sensor outputs and the demand of the law.
+    The s states belong to the law and its filters; the 9 sensed values are 8 sensor outputs and the
+    demand of the law.
     """
     s, total = f.now.states.shape[1], 0.0
     for j in range(s):

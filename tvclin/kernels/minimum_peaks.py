@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.source import allocation_free, kernel
 from tvclin.kernels.trim_and_demand import VaryingSteps, costate_step, equations_at_ratio
 
 PLAIN, COMPILED = 6e-5, 2e-7
@@ -102,7 +102,7 @@ def minimum_peaks(
                 exceeded = exceeded or heights[case, s] < peaks[case, s]
 
 
-@bare
+@allocation_free
 def _initialise_costates(
     costates: Any, reaches: Any, cells: Any, costate: Any, weights: Any
 ) -> None:
@@ -126,7 +126,7 @@ def _initialise_costates(
             weights[k, size - 2 + j] = reaches[j] if j == k else 0.0  # each acts on its own mode
 
 
-@bare
+@allocation_free
 def _unstable_components(costate: Any, path: Any, d: Any) -> None:
     """Write d ``(k,)``, the unstable components at the end of the wind without further deflection.
 
@@ -140,7 +140,7 @@ def _unstable_components(costate: Any, path: Any, d: Any) -> None:
             d[k] += costate[k, 1, i + 2] * path[i]
 
 
-@bare
+@allocation_free
 def _orthogonalise(costate: Any, weights: Any, s: int) -> None:
     """Make costates orthonormal in place, and combine their integrals and weights likewise.
 
@@ -164,7 +164,7 @@ def _orthogonalise(costate: Any, weights: Any, s: int) -> None:
                 weights[k, i] = scale * (weights[k, i] - projection * weights[j, i])
 
 
-@bare
+@allocation_free
 def _dual_value(weights: Any, s: int, d: Any, poles: Any, sums: Any) -> float:
     """Return the minimum peak [rad] from step s on, the largest ``|lambda.d|/J(lambda)``.
 
@@ -195,7 +195,7 @@ def _dual_value(weights: Any, s: int, d: Any, poles: Any, sums: Any) -> float:
     return 1.0 / _minimum_of_three_modes(sums, s, poles)
 
 
-@bare
+@allocation_free
 def _minimum_of_three_modes(sums: Any, s: int, poles: Any) -> float:
     """Return the minimum over u and v of J, the sum of ``|a + u b + v c|``, by cutting planes.
 
@@ -220,7 +220,7 @@ def _minimum_of_three_modes(sums: Any, s: int, poles: Any) -> float:
     return minimum
 
 
-@bare
+@allocation_free
 def _minimum(sums: Any, s: int, t: float, v: float, poles: Any) -> tuple[float, float, float]:
     """Return the minimum over u of J, the sum of ``|t a + u b + v c|``, and its slopes by t and v.
 
@@ -253,7 +253,7 @@ def _minimum(sums: Any, s: int, t: float, v: float, poles: Any) -> tuple[float, 
     )
 
 
-@bare
+@allocation_free
 def _derivatives(
     sums: Any, s: int, t: float, u: float, v: float, poles: Any
 ) -> tuple[float, float, float]:

@@ -35,7 +35,7 @@ from tvclin.kernels.excess import (
     remaining_integral,
     root,
 )
-from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.source import allocation_free, kernel
 
 PLAIN, COMPILED = 1e-4, 5e-7
 """Seconds per breakpoint of a case and rate of its wind, in plain Python and as machine code."""
@@ -50,9 +50,10 @@ def largest_remaining_integrals(
     """Write p times the remaining integral of winds of unit peak, at its onset and maximum.
 
     W(t) = p times the integral of e^(-p (r - t)) f(r) dr over the wind f from t on. To ``out (n,
-    3)``: W at the onset, the maximum, and its time [s]. `winds`: knots ``(w, k)``, coefficients and
-    rates of the winds. `which`: index of the wind of each case, ``(n,)``. `poles`: p [1/s],
-    ``(n,)``. Cases from `first` up to `last` are computed.
+    3)``: W at the onset, the maximum, and its time [s]. `winds`: knots [s] ``(w, k)``, coefficients
+    ``(w, k, r, degree + 1)`` and rates [1/s] ``(w, r)`` of the winds' terms c u^k e^(rate u).
+    `which`: index of the wind of each case, ``(n,)``. `poles`: p [1/s], ``(n,)``. Cases from
+    `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
@@ -72,9 +73,10 @@ def largest_remaining_integrals(
 def onset_integrals(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:
     """Write the discounted remaining integrals of winds at their onset to ``out (n, m)``.
 
-    The integrand is e^(-p r) f(t + r) dr, over the wind f from its onset t on. `winds`: knots,
-    coefficients and rates. `which`: index of the wind of each case, ``(n,)``. `poles`: p [1/s],
-    which may be complex, ``(n, m)``. Cases from `first` up to `last` are computed.
+    The integrand is e^(-p r) f(t + r) dr, over the wind f from its onset t on. `winds`: knots [s]
+    ``(w, k)``, coefficients ``(w, k, r, degree + 1)`` and rates [1/s] ``(w, r)``. `which`: index
+    of the wind of each case, ``(n,)``. `poles`: p [1/s], which may be complex, ``(n, m)``. Cases
+    from `first` up to `last` are computed.
     """
     knots, c, rates = winds
     for case in range(first, last):
@@ -91,10 +93,12 @@ def demands_at_heights(
     """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
 
     A demand is the mean of the remaining trim in a mode: p times its integral with e^(-p r) over
-    the time r from then on. `winds`, `which`: knots, coefficients and rates of winds, and the index
-    of each case's, ``(n,)``. `numbers`: b1, b2 and q of each case, of the filter of trim, ``(n,
-    3)``. `poles`: of the modes [1/s], which may be complex, ``(n, m)``. `heights`: over B times the
-    wind's peak, positive, ``(n,)``. `out`: demands, ``(n, m)``; where trim stays below the height
+    the time r from then on. B is trim deflection per angle of attack. `winds`: knots [s]
+    ``(w, k)``, coefficients ``(w, k, r, degree + 1)`` and rates [1/s] ``(w, r)`` of winds over
+    their peaks. `which`: index of the wind of each case, ``(n,)``. `numbers`: b1, b2 [1/s] and q
+    [1/s^2] of each case's filter of trim, (s^2 + b2 s + q)/(s^2 + b1 s + q), ``(n, 3)``. `poles`:
+    p of the modes [1/s], which may be complex, ``(n, m)``. `heights`: over B times the wind's peak,
+    positive, ``(n,)``. `out`: written: demands, ``(n, m)``; where trim stays below the height
     during the wind, at its end. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
@@ -113,13 +117,14 @@ def demands_at_heights(
             out[case, k] = demand_of_integral(law, p, remaining_integral(wind, i, u, p), x, y)
 
 
-@bare
+@allocation_free
 def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
-    """Return the largest demand of a wind trimmed at once, over -B, and its time [s].
+    """Return the largest demand of a wind trimmed at once, over its peak, and its time [s].
 
     The demand W is the discounted mean of the remaining wind, and W' = p (W - f): it rises while it
-    is above the wind f, so that its maximum is at a knot, or where a rising wind reaches it. `law`:
-    the pole p, and a filter without effect. `ends`: work array of `monotone_intervals`.
+    is above the wind f, so that its maximum is at a knot, or where a rising wind reaches it: where
+    f - W, negative before, changes its sign in an interval in which f is monotone. `law`: the pole
+    p, K = 1, and a filter without effect. `ends`: work array of `monotone_intervals`.
     """
     knots = wind.knots
     largest, time = -np.inf, 0.0
@@ -140,12 +145,13 @@ def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
     return largest, time
 
 
-@bare
+@allocation_free
 def _height_time(wind: Wind, law: ExitLaw, height: float, ends: Any) -> tuple[int, float]:
     """Return piece and local time [s] at which trim first reaches a height with either sign.
 
     The end of the wind where it never does. `law`: the filter of trim, which is the driver of the
-    monotone intervals. `height`: over B and the peak of the wind. `ends`: work array.
+    monotone intervals. `height`: over B (trim deflection per angle of attack) and the peak of the
+    wind. `ends`: work array.
     """
     knots = wind.knots
     for i in range(knots.size - 1):

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.source import allocation_free, kernel
 
 NEGLIGIBLE_TERM = 1e-17
 """Term, relative to the largest, that is neglected."""
-PLAIN, PLAIN_TIME = 1e-3, 2e-6
+PLAIN_SECONDS, PLAIN_SECONDS_PER_TIME = 1e-3, 2e-6
 """Seconds that plain Python takes for a case, and for one time of one output."""
-COMPILED = 1e-3
+COMPILED_OVER_PLAIN = 1e-3
 """Ratio of the times of machine code and of plain Python."""
 MARGINAL = 1e-12
 """Real part of a pole, over the largest pole, below which it is not unstable."""
@@ -40,10 +40,12 @@ EPSILON, ROUNDINGS, UNDERFLOW_EXPONENT = 2.0**-52, 32.0, 750.0
 
 
 class Case(NamedTuple):
-    """Both inputs of a case on their common knots.
+    """Both inputs of a case, deflection and wind [rad], on their common knots.
 
-    `knots` ``(K + 1,)``, the last at infinity; `rates` ``(Q,)``, distinct, the first zero; `forces`
-    ``(K, 2, Q, m)``; `lengths` ``(K, Q)``, numbers of significant terms.
+    From each knot on, an input is a sum of terms c u^k e^(rate u), with the time u since it.
+    `knots`: [s], ``(K + 1,)``, the last at infinity. `rates`: [1/s], ``(Q,)``, distinct, the first
+    zero. `forces`: c, by knot, input, rate and power k, ``(K, 2, Q, m)``. `lengths`: numbers of
+    significant powers of both inputs, ``(K, Q)``.
     """
 
     knots: Any
@@ -74,9 +76,10 @@ def merge_knots(first: Any, second: Any, knots: Any) -> Any:
 
 @kernel
 def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
-    """Append the rates that are not among the first `used` of `rates`; return their new number.
+    """Append the rates of an input that a case does not have yet; return how many it has then.
 
-    `new_rates`: rates of an input's terms u^k e^(rate u) [1/s]. `rates`: changed.
+    `new_rates`: rates of the input's terms c u^k e^(rate u) [1/s]. `rates`: of the case, of
+    which the first `used` are set; changed.
     """
     for q in range(new_rates.size):
         if rate_index(new_rates[q], rates, used) == used:
@@ -87,7 +90,7 @@ def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
 
 @kernel
 def rate_index(rate: Any, rates: Any, used: Any) -> Any:
-    """Return the index of a rate [1/s] among the first `used` of `rates`; `used` where missing."""
+    """Return the index of `rate` [1/s] among the first `used` of `rates`; `used` if absent."""
     at = 0
     while at < used and rates[at] != rate:
         at += 1
@@ -96,14 +99,15 @@ def rate_index(rate: Any, rates: Any, used: Any) -> Any:
 
 @kernel
 def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any) -> None:
-    """Write an input on the common knots of a case, to `forces` ``(K, Q, m)``.
+    """Write the coefficients of an input about the common knots of a case, to `forces`.
 
-    `case`: its K + 1 knots and Q rates. `forces`: coefficients of the terms u^k e^(rate u) from
-    each knot on, u being the time since it. `knots`, `coefficients`, `rates`: the input's own,
-    ``(n,)`` [s], ``(n, r, m)`` and ``(r,)`` [1/s], which the case has too; before its knots it is
-    zero.
+    `case`: its K + 1 knots and Q rates. `forces`: written: coefficients c of the terms
+    c u^k e^(rate u) from each knot of the case on, with the time u since it, ``(K, Q, m)``.
+    `knots`, `coefficients`, `rates`: the input itself, ``(n,)`` [s], ``(n, r, m)`` and ``(r,)``
+    [1/s], whose knots and rates the case has too; before its first knot it is zero. Where the case
+    has a knot between two of the input, its terms are expanded about that knot.
     """
-    piece = -1
+    piece = -1  # of the input, at the knot of the case
     for i in range(case.knots.size - 1):
         for q in range(case.rates.size):
             for k in range(forces.shape[2]):
@@ -123,9 +127,10 @@ def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any
 
 @kernel
 def recentre(terms: Any, rate: Any, u: Any) -> None:
-    """Replace the terms of c(v) e^(rate v) by those in the time since v = u [s], in place.
+    """Expand a polynomial c(v) times e^(rate v) about the time v = u [s], in place.
 
-    `terms`: coefficients of c, lowest power first, ``(m,)``.
+    `terms`: coefficients of c, lowest power first, ``(m,)``; changed to those of the polynomial in
+    v - u that gives the same product with e^(rate (v - u)). `rate`: [1/s].
     """
     count = significant_terms(terms, np.inf)  # up to the last that is not zero
     for low in range(count):
@@ -139,10 +144,10 @@ def recentre(terms: Any, rate: Any, u: Any) -> None:
 
 @kernel
 def count_terms(case: Case) -> None:
-    """Write to `case.lengths` how many powers of both inputs are significant, by span and rate.
+    """Write numbers of significant powers of both inputs to `case.lengths`, by span and rate.
 
-    A span lies between two knots of the case; a power is neglected if it is nowhere in the span
-    large enough to count.
+    A span lies between two knots of the case. Powers k of the terms c u^k e^(rate u) above the
+    number are negligible in both inputs at all times u of the span.
     """
     for i in range(case.knots.size - 1):
         width = case.knots[i + 1] - case.knots[i]
@@ -155,10 +160,11 @@ def count_terms(case: Case) -> None:
 
 @kernel
 def significant_terms(terms: Any, width: Any) -> Any:
-    """Return the number of significant terms c_k u^k, each being largest at u = width [s].
+    """Return the number of terms of a polynomial up to the last significant one.
 
-    The last term that counts is above `NEGLIGIBLE_TERM` times the largest before. `terms`: c,
-    lowest power first; at an infinite width all nonzero ones count.
+    A term c_k u^k is largest at the end of its span, u = width [s], and is significant if it is
+    there above `NEGLIGIBLE_TERM` times the largest one before. `terms`: c, lowest power first; at
+    an infinite width all that are not zero are significant.
     """
     power, largest, count = 1.0, 0.0, 0
     for k in range(terms.size):
@@ -172,7 +178,11 @@ def significant_terms(terms: Any, width: Any) -> Any:
 
 
 class Plant(NamedTuple):
-    """Poles ``(N,)``, gains ``(N, 2)``, outputs ``(N, R)``; `less_wind` as in `ModalSystem`."""
+    """Modes z' = p z + g f of a plant, with both inputs f, deflection and wind.
+
+    `poles`: p [1/s], ``(N,)``. `gains`: g, ``(N, 2)``. `outputs`: coefficient of each mode in each
+    output, ``(N, R)``. `less_wind`: whether the wind is subtracted from the last output.
+    """
 
     poles: Any
     gains: Any
@@ -181,13 +191,16 @@ class Plant(NamedTuple):
 
 
 class Span(NamedTuple):
-    """Quantities of a span between two knots, for N modes, Q rates and R outputs.
+    """Work arrays of a span, the time u between two knots, for N modes, Q rates and R outputs.
 
-    For each mode whether it is integrated `backward`, its residue `excess`, the state at a knot
-    (`state`, and `bounded` ``(N, K + 1)`` of backward ones), and the coefficients of its
-    exponential beside the particular solution, from either end (`lead`, `tail`). A particular
-    `solution` ``(Q, L)`` with its `sizes` ``(Q,)``, and the outputs' sum of them, `shares` ``(R, Q,
-    L)`` with its `lengths` ``(Q,)``.
+    A mode z' = p z + g f is a particular solution, a polynomial in u times e^(rate u) for each rate
+    of the input f, and coefficients times e^(p u). Of each mode, ``(N,)``: `backward`, whether it
+    is unstable and integrated from the last knot to the first; `state`, z at the begin of the span;
+    `lead`, `tail` and `excess`, coefficients of e^(p u), of e^(p (u - width)), and of e^(p t) with
+    the time t since the first knot. `bounded`: bounded z at the knots, ``(N, K + 1)``.
+    `solution`: particular solution of a mode, ``(Q, L)``, lowest power first, and its numbers of
+    terms, `sizes` ``(Q,)``. `shares`: sums of these in the outputs, ``(R, Q, L)``, and their
+    numbers of terms, `lengths` ``(Q,)``.
     """
 
     backward: Any
@@ -208,7 +221,8 @@ def workspace(
     """Return the arrays for one case, which the kernel overwrites.
 
     `kind`: type of poles and coefficients, float or complex. `plant`: numbers of modes and of
-    outputs. `deflections`, `winds`: knots, coefficients and rates of both inputs.
+    outputs. `deflections`, `winds`: H histories of each input: knots ``(H, n)``, coefficients
+    ``(H, n, r, m)`` and rates ``(H, r)``.
     """
     modes, rows = plant
     knots = deflections[0].shape[1] + winds[0].shape[1]
@@ -249,16 +263,19 @@ def respond(
     first: Any,
     last: Any,
 ) -> None:
-    """Compute the responses of the cases from `first` up to `last`.
+    """Write the R outputs of plants at n times, for the cases from `first` up to `last`.
 
-    `times`: times, ascending, ``(n,)``. `plants`: poles ``(P, N)``, gains ``(P, N, 2)``, outputs
-    ``(P, N, R)``, and whether the wind is subtracted from the last of these. `deflections`,
-    `winds`: knots ``(H, n)``, coefficients ``(H, n, r, m)`` and rates ``(H, r)``. `which`: indices
-    of plant, deflection and wind of each case, ``(3, cases)``. `out`, `close`: written: ``(cases,
-    R, n)``, and whether two poles are too close for distinct modes, ``(cases,)``; such a case is
-    skipped. `memory`: arrays of `workspace`, not shared with another thread. An unstable mode is
-    the bounded solution, computed backwards, and its residue times the exponential, which is zero
-    below its rounding.
+    `times`: [s], ascending, ``(n,)``. `plants`: poles [1/s] ``(P, N)``, gains of deflection and
+    wind ``(P, N, 2)``, outputs of the modes ``(P, N, R)``, and whether the wind is subtracted from
+    the last output. `deflections`, `winds`: H histories of each input, sums of terms c u^k
+    e^(rate u) with the time u since a knot: knots [s] ``(H, k)``, coefficients c ``(H, k, r, m)``
+    and rates [1/s] ``(H, r)``. `which`: indices of plant, deflection and wind of each case,
+    ``(3, cases)``. `out`: written, ``(cases, R, n)``. `close`: written: whether two poles are too
+    close for distinct modes, ``(cases,)``; such a case is skipped. `memory`: arrays of `workspace`,
+    not shared with another thread.
+
+    An unstable mode that grows enough is the bounded solution, computed backwards, and its residue
+    times e^(p t); a residue below its rounding is zero, so that the mode does not diverge.
     """
     arrays, span = memory
     for number in range(first, last):
@@ -269,13 +286,13 @@ def respond(
         close[number] = has_close_poles(plant.poles, horizon)
         if close[number]:
             continue
-        used = add_rates(deflections[2][d], arrays.rates, 1)
+        used = add_rates(deflections[2][d], arrays.rates, 1)  # behind the first rate, zero
         used = add_rates(winds[2][w], arrays.rates, used)
         case = Case(arrays.knots[: count + 1], arrays.rates[:used], arrays.forces, arrays.lengths)
         put_input(case, case.forces[:, 0], deflections[0][d], deflections[1][d], deflections[2][d])
         put_input(case, case.forces[:, 1], winds[0][w], winds[1][w], winds[2][w])
         count_terms(case)
-        fastest = 0.0
+        fastest = 0.0  # size of the largest pole
         for m in range(plant.poles.size):
             fastest = max(fastest, abs(plant.poles[m]))
         for m in range(plant.poles.size):
@@ -300,7 +317,7 @@ def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> No
     `span`: work arrays, with the residues and the bounded solutions of unstable modes, which are
     computed backwards. Outputs are zero before the first knot.
     """
-    first = np.searchsorted(times, case.knots[0])
+    first = np.searchsorted(times, case.knots[0])  # the first time of the span, then `last` its end
     for r in range(out.shape[0]):
         for j in range(first):
             out[r, j] = 0.0
@@ -330,13 +347,14 @@ def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> No
         first = last
 
 
-@bare
+@allocation_free
 def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out: Any) -> None:
-    """Write the outputs ``(R, n)`` at n times of span i: real parts, where 0 times inf is 0.
+    """Write the outputs at n times of span i to `out` ``(R, n)``: the real parts of sums.
 
-    `times`: [s], between two knots. `plant`, `case`: poles and outputs, and knots and rates of the
-    inputs. `span`: coefficients of the modes' exponentials, and of the outputs' polynomials for
-    each rate.
+    They are the polynomials of the particular solutions times e^(rate u), and the free exponentials
+    of the modes. `times`: [s], between two knots. `plant`, `case`: poles and outputs, and knots and
+    rates of the inputs. `span`: coefficients of both. Products of parts that are zero are omitted,
+    so that 0 times inf is 0.
     """
     width, since = case.knots[i + 1] - case.knots[i], case.knots[i] - case.knots[0]
     for j in range(times.size):
@@ -356,12 +374,12 @@ def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out:
                     out[r, j] -= share.imag * imaginary
 
 
-@bare
+@allocation_free
 def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
-    """Add the real parts of polynomials ``(R, L)`` times e^(rate u) to the outputs ``(R,)``.
+    """Add the real parts of polynomials in u, times e^(rate u), to the outputs `out` ``(R,)``.
 
-    `u`: local time [s]. `rate`: [1/s], which may be complex. `shares`: coefficients of the
-    polynomials, lowest power first.
+    `u`: time since the begin of the span [s]. `rate`: [1/s], which may be complex. `shares`:
+    coefficients of each output's polynomial, lowest power first, ``(R, L)``.
     """
     real, imaginary = exponential(rate, u)
     for r in range(out.size):
@@ -373,7 +391,7 @@ def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
             out[r] -= total.imag * imaginary
 
 
-@bare
+@allocation_free
 def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Span) -> Any:
     """Return real and imaginary part of a mode's free exponential at the local time u [s].
 
@@ -398,9 +416,9 @@ def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Span) 
     return real, imaginary
 
 
-@bare
+@allocation_free
 def exponential(exponent: Any, u: Any) -> Any:
-    """Return the real and the imaginary part of e^(exponent u), for a complex exponent."""
+    """Return the real and the imaginary part of e^(exponent u), for a complex exponent [1/s]."""
     real, angle = np.exp(exponent.real * u), exponent.imag * u
     return (real, 0.0) if angle == 0.0 else (real * np.cos(angle), real * np.sin(angle))
 
@@ -409,11 +427,12 @@ def exponential(exponent: Any, u: Any) -> Any:
 def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, span: Span) -> Any:
     """Write a particular solution of a mode in span i; return its values at both ends.
 
-    Of z' = p z + g f, to `span.solution`, as a polynomial a for each rate r: a' + (r - p) a = g c
-    with the input's polynomial c. `pole`, `gain`: p [1/s], and g of both inputs. `case`: f.
-    `width`: length of the span [s], or of its beginning that matters; at infinite width the
-    solution is constant from 0 on. Where r - p is so small that the finite solution cancels, it is
-    the series from a = 0 on.
+    Of z' = p z + g f, where f is the input's polynomial c times e^(r u) for each rate r, it is
+    a polynomial a times e^(r u) with a' + (r - p) a = g c, written to `span.solution`. `pole`,
+    `gain`: p [1/s], and g of both inputs, ``(2,)``. `case`: both inputs. `width`: length of the
+    span [s], or of its beginning up to the last time of the response. At infinite width, after the
+    last knot, the second value is zero and not used. Where r - p is so small that the finite sum
+    cancels, a is the power series with a = 0 at the begin.
     """
     start, stop = 0.0 * pole, 0.0 * pole
     for q in range(case.rates.size):
@@ -455,9 +474,10 @@ def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, sp
 def bounded_solution(pole: Any, gain: Any, case: Case, mode: Any, span: Span) -> Any:
     """Write the bounded solution of an unstable mode at each knot; return whether there is one.
 
-    To `span.bounded`. `pole`, `gain`: of z' = p z + g f. `case`: both inputs f. `mode`: its index.
-    After the last knot the bounded z is the particular solution a, if no rate of the input grows as
-    fast as p; before it, from the right, z(0) = a(0) + e^(-p width) [z(width) - a(width)].
+    It is written to row `mode` of `span.bounded`. `pole`, `gain`: p [1/s] and g ``(2,)`` of the
+    mode z' = p z + g f. `case`: both inputs f. After the last knot the bounded z is the particular
+    solution a, if no rate of the input grows as fast as p; in each span before it, backwards,
+    z(0) = a(0) + e^(-p width) [z(width) - a(width)].
     """
     last = case.knots.size - 2
     for q in range(case.rates.size):
@@ -477,11 +497,12 @@ def bounded_solution(pole: Any, gain: Any, case: Case, mode: Any, span: Span) ->
 def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: Any) -> Any:
     """Return the sum of the sizes of all terms of the residue of one input, within a quarter.
 
-    The residue is g times the integral of e^(-p t) f. `pole`, `gain`: of the mode z' = p z + g f.
-    `start`: time from which t counts [s]. `histories`: knots, coefficients and rates of inputs, of
-    which `number` is f. The integral of u^k e^(-gap u) up to a width, with gap = p - rate, is
-    approximated by 1/(1/a + 1/b): a = width^(k+1)/(k+1) is that without decay, b = k!/gap^(k+1)
-    that without end.
+    Times the relative rounding it bounds the error of the residue, g times the integral of
+    e^(-p t) f. `pole`, `gain`: p [1/s] and g of the mode z' = p z + g f. `start`: time from which t
+    counts [s]. `histories`: knots, coefficients and rates of inputs, of which `number` is f.
+
+    The integral of u^k e^(-gap u) up to a width, with gap = p - rate, is approximated by
+    1/(1/a + 1/b): a = width^(k+1)/(k+1) is that without decay, b = k!/gap^(k+1) that without end.
     """
     knots, coefficients, rates = histories[0][number], histories[1][number], histories[2][number]
     total = 0.0
@@ -503,10 +524,11 @@ def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: 
 
 @kernel
 def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
-    """Return the bound on the roundings in the residue of two inputs, in units of one rounding.
+    """Return a bound on the roundings in the residue of two inputs, in units of one rounding.
 
-    `pole`: [1/s]; an exponential is as inaccurate as its exponent is large. `first`, `second`:
-    knots of both [s].
+    The exponential e^(-p t) of a large exponent has a relative error of as many roundings as the
+    exponent, and a sum over n knots about sqrt(n). `pole`: p [1/s]. `first`, `second`: knots of
+    both inputs [s].
     """
     start, total = min(first[0], second[0]), ROUNDINGS
     for knots in (first, second):
@@ -517,11 +539,12 @@ def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
 
 @kernel
 def has_close_poles(poles: Any, horizon: Any) -> Any:
-    """Return whether two poles are too close for distinct modes within a time.
+    """Return whether two poles are too close for a response by modes within a time.
 
-    `poles`: of a plant [1/s], ``(N,)``. `horizon`: the time [s]. A plant with a fast unstable pole
-    keeps its modes all the same, unless two are equal: the alternative, a chain of lags, is
-    integrated forward and would lose its digits.
+    The residues of two close poles are large and cancel. `poles`: of a plant [1/s], ``(N,)``.
+    `horizon`: the time [s]. A plant with a fast unstable pole keeps its modes all the same, unless
+    two are equal: the alternative, a chain of lags, is integrated forward and would lose its
+    digits.
     """
     gap, size, fastest = np.inf, 0.0, -np.inf
     for i in range(poles.size):
@@ -534,10 +557,10 @@ def has_close_poles(poles: Any, horizon: Any) -> Any:
 
 @kernel
 def add_share(outputs: Any, used: Any, span: Span) -> None:
-    """Add a mode's particular solution to the outputs that contain it.
+    """Add a mode's particular solution to the outputs, times the mode's coefficient in each.
 
-    `outputs`: coefficient of the mode in each output, ``(R,)``. `used`: number of rates. `span`:
-    the solution, a polynomial for each rate, and the outputs' sums of such polynomials, `shares`.
+    `outputs`: these coefficients, ``(R,)``. `used`: number of rates. `span`: the `solution`, a
+    polynomial for each rate, and the sums of such polynomials in the outputs, `shares`; changed.
     """
     for q in range(used):
         lengthen(q, span.sizes[q], span)
@@ -550,7 +573,7 @@ def add_share(outputs: Any, used: Any, span: Span) -> None:
 def subtract_wind(case: Case, i: Any, span: Span) -> None:
     """Subtract the wind in span i of a case, its second input, from the last output, in place.
 
-    The output is `span.shares`, a polynomial for each rate.
+    The last output, the angle of attack, is the last of `span.shares`, a polynomial for each rate.
     """
     last = span.shares.shape[0] - 1
     for q in range(case.rates.size):
@@ -561,9 +584,10 @@ def subtract_wind(case: Case, i: Any, span: Span) -> None:
 
 @kernel
 def lengthen(q: Any, length: Any, span: Span) -> None:
-    """Pad the polynomials of all outputs at the q-th rate with zeros, to at least `length` terms.
+    """Pad the outputs' polynomials that multiply e^(rate u) with zeros, to at least `length` terms.
 
-    `span`: its `shares` are their coefficients, and `lengths` the number of terms by rate.
+    `q`: index of the rate. `span`: the coefficients are its `shares` ``(R, Q, L)`` by output, rate
+    and power, and the numbers of terms in use its `lengths` ``(Q,)``; both are changed.
     """
     for r in range(span.shares.shape[0]):
         for k in range(span.lengths[q], length):

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.source import allocation_free, kernel
 
 PLAIN, COMPILED = 5e-5, 1e-6
 """About how many seconds a polynomial takes, in plain Python and as machine code."""
@@ -53,7 +53,7 @@ def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
                 out[case, k] = _polished(polynomials, out, case, k)
 
 
-@bare
+@allocation_free
 def _divide(work: Any, degree: int, first: float, second: float) -> None:
     """Divide a polynomial in place by s + first, or s^2 + first s + second if `second` is not zero.
 
@@ -66,7 +66,7 @@ def _divide(work: Any, degree: int, first: float, second: float) -> None:
             work[k] -= second * work[k - 2]
 
 
-@bare
+@allocation_free
 def _laguerre_root(work: Any, degree: int) -> complex:
     """Return a root by Laguerre's iteration from zero; real where rounding cannot distinguish it.
 
@@ -107,7 +107,7 @@ def _laguerre_root(work: Any, degree: int) -> complex:
     return root
 
 
-@bare
+@allocation_free
 def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
     """Return a root after a Newton step, or as it is if it is clustered or the residual grows.
 
@@ -132,7 +132,7 @@ def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
     return iterate if abs(residual) < abs(value) else root
 
 
-@bare
+@allocation_free
 def _quadratic_roots(middle: float, product: float) -> tuple[complex, complex]:
     """Return two roots by their mean `middle` and their product, without cancellation."""
     square = middle * middle - product

@@ -35,11 +35,11 @@ def kernel(function: F) -> F:
     return function
 
 
-def bare(function: F) -> F:
+def allocation_free(function: F) -> F:
     """Mark a kernel that allocates no array, and return it unchanged.
 
-    It is compiled without reference counts of its arguments, which take half the time where arrays
-    are passed to many small functions.
+    It is compiled without counting references to its arguments, which would take half the time
+    where arrays are passed to many small functions (`_nrt`: numba's runtime, which counts them).
     """
     _marked[function] = {"_nrt": False}
     return function
@@ -96,7 +96,7 @@ def _reached(function: Any) -> list[Any]:
 
 
 def _called(function: Any) -> list[Any]:
-    """Return the marked functions that a function calls by their names."""
+    """Return the marked functions that a function calls by their names in its module."""
     values = [function.__globals__.get(name) for name in function.__code__.co_names]
     return [value for value in values if isinstance(value, FunctionType) and value in _marked]
 

@@ -30,7 +30,7 @@ from tvclin.kernels.excess import (
     root,
     sign_changes,
 )
-from tvclin.kernels.source import bare, kernel
+from tvclin.kernels.source import allocation_free, kernel
 
 SOLVED, JUMP, UNREACHED = 0, 1, 2
 """Status: a solution; a demand that jumps over it; a demand above all heights of the driver."""
@@ -50,11 +50,13 @@ def switches(
     """Write time [s], demand and status of the exit of the dead band, of each case.
 
     The exit is where the driver, the wind or its trim, is as large as K times the demand, the
-    constant deflection that then suffices. `winds`: knots, coefficients and rates of winds over
-    their peaks, with one axis for the batch. `which`: index of the wind of each case, ``(n,)``.
-    `numbers`: p, K, b1, b2 and q of each case, ``(n, 5)``: unstable pole, dead band, filter of
-    trim. `literal`: whether the driver is trim itself. `out`: time, demand over -B, and status
-    SOLVED, JUMP or UNREACHED, ``(3, n)``. Cases from `first` up to `last` are computed.
+    constant deflection that then suffices. `winds`: w winds over their peaks: knots [s] ``(w, k)``,
+    coefficients ``(w, k, r, degree + 1)`` and rates [1/s] ``(w, r)`` of terms c u^k e^(rate u).
+    `which`: index of the wind of each case, ``(n,)``. `numbers`: of each case, ``(n, 5)``: unstable
+    pole p [1/s], dead band K, and b1, b2 [1/s], q [1/s^2] of trim's filter
+    (s^2 + b2 s + q)/(s^2 + b1 s + q). `literal`: whether the driver is trim itself. `out`: written,
+    ``(3, n)``: time, demand over -B (trim deflection per angle of attack) and the wind's peak, and
+    status SOLVED, JUMP or UNREACHED. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(MAX_INTERVALS)
@@ -73,10 +75,12 @@ def switches(
 def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, last: int) -> None:
     """Write the largest size of trim, over B and the wind's peak, to ``out (n,)``.
 
-    Infinite where trim grows without bound after the wind. `winds`, `which`, `numbers`: knots,
-    coefficients and rates of winds, the index of each case's, ``(n,)``, and p, K, b1, b2 and q of
-    each case, ``(n, 5)``: unstable pole, dead band, and the filter of trim. Cases from `first` up
-    to `last` are computed.
+    B is trim deflection per angle of attack, so that it is one without drift; infinite where trim
+    grows without bound after the wind. `winds`: w winds over their peaks: knots [s] ``(w, k)``,
+    coefficients ``(w, k, r, degree + 1)`` and rates [1/s] ``(w, r)``. `which`: index of the wind of
+    each case, ``(n,)``. `numbers`: of each case, ``(n, 5)``: p and K, without effect here, and b1,
+    b2 [1/s], q [1/s^2] of trim's filter (s^2 + b2 s + q)/(s^2 + b1 s + q). Cases from `first` up to
+    `last` are computed.
     """
     knots, coefficients, rates = winds
     marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
@@ -90,14 +94,16 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
         out[case] = _largest_trim(wind, law, ends)
 
 
-@bare
+@allocation_free
 def _solve(wind: Wind, law: ExitLaw, marks: Any, ends: Any) -> tuple[float, float, int]:
     """Return time [s], demand and status of the exit of the dead band of one wind.
 
-    A height is a new maximum of the driver (wind or trim over -B), a demand the constant deflection
-    that satisfies (4b) of the report from then on. The exit lies between the last height below K
-    times the demand, and the first one after it that is not; their status is UNREACHED if there is
-    none. `law`: p, K, the filter of trim and the driver. `marks`, `ends`: work arrays.
+    A height is a new maximum of the driver, the wind or its trim. The demand is the constant
+    deflection that satisfies (4b) of the report from then on; both are over -B (trim deflection per
+    angle of attack) and the wind's peak. The exit lies between the last height below K times the
+    demand, and the first one after it that is not; without such a one it is the end of the wind
+    with status UNREACHED. With K = 0 it is the onset of the wind. `law`: p, K, the filter of trim
+    and the driver. `marks`, `ends`: work arrays.
     """
     knots = wind.knots
     K = law.K
@@ -123,14 +129,15 @@ def _solve(wind: Wind, law: ExitLaw, marks: Any, ends: Any) -> tuple[float, floa
     return _exit(wind, law, low if insufficient else (0, 0.0, -np.inf, 0.0), high)
 
 
-@bare
+@allocation_free
 def _exit(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[float, float, int]:
     """Return time [s], demand and status of the exit of the dead band between two heights.
 
-    Heights are new maxima of the driver (wind or trim over -B). `low`: piece, local time, height
-    and margin of the last one below K times the demand; a negative height if there is none. `high`:
-    piece, local time and margin of the next. `law`: p, K and the filter of trim of a wind. The
-    status is JUMP where the driver falls below the lower height there, else SOLVED.
+    Heights are new maxima of the driver (wind or trim over -B), margins these less K times the
+    demand. `low`: piece, local time, height and margin of the last one with a negative margin; the
+    height is negative if there is none. `high`: piece, local time and margin of the next. `law`: p,
+    K and the filter of trim of a wind. The status is JUMP where the driver falls below the lower
+    height just after the exit, else SOLVED.
     """
     i, u, _ = high
     status = SOLVED
@@ -141,16 +148,17 @@ def _exit(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[float, float, 
     return wind.knots[i] + u, demand(wind, law, i, u), status
 
 
-@bare
+@allocation_free
 def _new_heights(
     wind: Wind, law: ExitLaw, marks: Any, highest: float, i: int, a: float, b: float
 ) -> int:
     """Write new maxima of the driver in a monotone interval to `marks`; return their number.
 
-    The driver is the wind or its trim (`law`), over -B. `marks`: written: local time [s], height,
-    and margin, the height less K times the demand then, ``(4, 3)``. `highest`: largest height so
-    far. `i`: segment of the wind. `a`, `b`: ends of the interval, local times [s]. Noted are the
-    ends, and between them a time at which the margin may be negative.
+    The driver is the wind, or its trim over -B (trim deflection per angle of attack), as `law`
+    says. `marks`: written: local time [s], height, and margin, the height less K times the demand
+    then, ``(4, 3)``. `highest`: largest height so far. `i`: segment of the wind. `a`, `b`: ends of
+    the interval, local times [s]. Noted are the ends, and between them a time at which the margin
+    may be negative.
     """
     start, _, _ = driver(wind, law, i, a)
     stop, _, _ = driver(wind, law, i, b)
@@ -187,7 +195,7 @@ def _new_heights(
     return count + 1
 
 
-@bare
+@allocation_free
 def _crossing(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[int, float]:
     """Return the piece and the local time [s] at which the driver reaches K times the demand.
 
@@ -212,11 +220,11 @@ def _crossing(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[int, float
     return i, root(EXCESS, floor, wind, law, i, u, margin, high[1], high[2])
 
 
-@bare
+@allocation_free
 def _driver_after(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
     """Return the driver just after the local time u [s] of piece i, behind a jump at its end.
 
-    The driver is the wind or its trim (`law`), over -B.
+    The driver is the wind of unit peak or its trim over -B, trim deflection per angle of attack.
     """
     knots = wind.knots
     while i < knots.size - 1 and u >= knots[i + 1] - knots[i]:
@@ -224,12 +232,13 @@ def _driver_after(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
     return driver(wind, law, i, u)[0]
 
 
-@bare
+@allocation_free
 def _largest_trim(wind: Wind, law: ExitLaw, ends: Any) -> float:
-    """Return the largest size of trim over B, during the wind and after it.
+    """Return the largest size of trim, over B and the wind's peak, during the wind and after it.
 
-    It is at the end of an interval in which trim is monotone. `law`: the filter of trim, which is
-    the driver of these intervals. `ends`: work array.
+    B is trim deflection per angle of attack. During the wind it is at an end of an interval in
+    which trim is monotone. `law`: the filter of trim, which is the driver of these intervals.
+    `ends`: work array.
     """
     largest = 0.0
     for i in range(wind.knots.size - 1):
@@ -239,13 +248,13 @@ def _largest_trim(wind: Wind, law: ExitLaw, ends: Any) -> float:
     return max(largest, _largest_free_trim(wind, law))
 
 
-@bare
+@allocation_free
 def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
-    """Return the largest size of trim over B after the wind; infinite where it grows without end.
+    """Return the largest size of trim after the wind; infinite where it grows without end.
 
-    Trim is then gain y, with the filter y'' + b1 y' + q y = 0 (`law`), whose state x, y = x' at the
-    end of the wind is the last of `wind.marched`. Its slope v = y' obeys the same equation, so with
-    w^2 = q - b1^2/4
+    Over B, trim deflection per angle of attack, and the peak of the wind it is then gain y, with
+    the filter y'' + b1 y' + q y = 0 (`law`), whose state x, y = x' at the end of the wind is the
+    last of `wind.marched`. Its slope v = y' obeys the same equation, so with w^2 = q - b1^2/4
 
             v(u) = e^(-b1 u/2) [v cos(w u) + (v' + b1 v/2) sin(w u)/w],
 
@@ -263,8 +272,8 @@ def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
     slope = -b1 * y - q * x
     cosine_term = -0.5 * b1 * slope - q * y  # v' + b1 v/2 at the start
     square = q - 0.25 * b1 * b1
-    frequency = np.sqrt(abs(square))
-    u = 0.0
+    frequency = np.sqrt(abs(square))  # w
+    u = 0.0  # time of the extreme, zero if there is none
     if square > 0.0:
         phase = np.arctan2(-slope * frequency, cosine_term)
         u = (phase if phase > 0.0 else phase + np.pi) / frequency

@@ -132,10 +132,11 @@ def trim_and_demand(
 def equations_at_ratio(steps: VaryingSteps, case: int, s: int, skipped: float, matrix: Any) -> None:
     """Write [A b w] at begin, middle and end of step s, at the dynamic pressure encountered.
 
-    They are E + (r - 1) E_1 + (1/r - 1) E_2 with r that pressure over the nominal one,
-    `steps.ratio`. `steps`: steps, E, E_1 and E_2 (`slopes`) and winds of the cases. `skipped`:
-    fraction of the step that is skipped: the matrices are then at begin, middle and end of the
-    rest, by parabolas. `matrix`: written, ``(3, m, m + 2)``.
+    They are E + (r - 1) E_1 + (1/r - 1) E_2 with r that pressure over the nominal one: `steps` has
+    E, `equations`, which hold at r = 1, the terms E_1 and E_2 that are proportional to r and to
+    1/r, `slopes`, and r, `ratio`. `skipped`: fraction of the step before the wind begins; the
+    matrices are then at begin, middle and end of the rest, by parabolas through the three given
+    ones. `matrix`: written, ``(3, m, m + 2)``.
     """
     equations, slopes, m = steps.equations, steps.slopes, matrix.shape[1]
     c, k = case if equations.shape[0] > 1 else 0, s if equations.shape[1] > 1 else 0
@@ -166,7 +167,8 @@ def costate_step(
 
     R and F are the effects of a unit deflection and of the wind on the unstable component from then
     on: dp/dt = -p A, dR/dt = -p.b, dF/dt = -p.w alpha_w. The step goes backwards from row `s + 1`
-    of `costate` to row `s`, with the scale of that row. `matrix`: columns ``[A b w]`` at begin,
+    of `costate`, p, R and F ``(m + 2,)``, to row `s`; any factor common to the first remains, since
+    the equations are linear in p. `matrix`: columns ``[A b w]`` at begin,
     middle and end of the step. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `state`,
     `rates`: work arrays.
     """
@@ -189,7 +191,7 @@ def costate_step(
 
 @inlined
 def _normalise(costate: Any) -> None:
-    """Scale a row ``(m + 2,)``, costate p and its integrals R and F, to ``|p| = 1`` in place."""
+    """Scale costate p and its integrals R and F, a row ``(m + 2,)``, to ``|p| = 1`` in place."""
     size = 0.0
     for i in range(costate.size - 2):
         size += costate[i] * costate[i]

@@ -23,7 +23,14 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray
 from tvclin.kernels import choice
 from tvclin.kernels.choice import in_slices
-from tvclin.kernels.response_cases import COMPILED, MARGINAL, PLAIN, PLAIN_TIME, respond, workspace
+from tvclin.kernels.response_cases import (
+    COMPILED_OVER_PLAIN,
+    MARGINAL,
+    PLAIN_SECONDS,
+    PLAIN_SECONDS_PER_TIME,
+    respond,
+    workspace,
+)
 from tvclin.numerics.pieces import Pieces, flat_arrays, flat_batch, laplace, magnitude, spread
 
 _EPSILON = float(np.finfo(float).eps)
@@ -132,7 +139,7 @@ def responses(
     out = np.empty((case_rows.shape[1], plants[2].shape[-1], times.size))
     indistinct = np.zeros(len(out), dtype=bool)
     # estimated run time, which decides between compiled and plain code
-    seconds = len(out) * (PLAIN + PLAIN_TIME * out[0].size)
+    seconds = len(out) * (PLAIN_SECONDS + PLAIN_SECONDS_PER_TIME * out[0].size)
     kernel = choice.fastest(respond, seconds)
 
     def work(begin: int, end: int) -> None:
@@ -145,7 +152,7 @@ def responses(
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)
 
     # in threads by the run time of compiled code; plain code, of time 0.0, in one thread
-    in_slices(work, len(out), 0.0 if kernel is respond else COMPILED * seconds)
+    in_slices(work, len(out), 0.0 if kernel is respond else COMPILED_OVER_PLAIN * seconds)
     if order is not None:
         out[..., order] = out.copy()
     outputs = out.reshape(*shape, *out.shape[1:])
