@@ -12,7 +12,7 @@ import tvclin as tv
 from tests.schedules.samples import GIVEN, OPENROCKET
 from tests.small_launcher import sounding, write
 from tests.turns import by_turns
-from tvclin.ascent.measured_wind import MeasuredWind, gust_of_speed
+from tvclin.ascent.measured_wind import GustOfSpeed, MeasuredWind
 from tvclin.cli.app import app
 from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, placed_in_planes
 
@@ -182,7 +182,7 @@ def test_a_gust_by_its_speed_counts_on_top_of_a_sounding_up_to_thirty_degrees(
     sources: dict[str, str],
 ) -> None:
     flight = tv.load_schedule(sources["from the pad"])
-    gust = gust_of_speed(tv.OneMinusCosineGust(peak=0.01, duration=2.0), 9.0, "pitch")
+    gust = GustOfSpeed(tv.OneMinusCosineGust(peak=0.01, duration=2.0), 9.0, "pitch")
     encountered = tv.fly_through(sounding(), flight, azimuth=np.radians(90.0), gust=gust)
     times = np.arange(4.0, 20.0)
     placed = [place(encountered, flight.at(t), t) for t in times.tolist()]

@@ -144,9 +144,9 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     gust = tv.OneMinusCosineGust(peak=np.radians(1), duration=2.0)
     winds = {
         "pulse": tv.TriangularWind(peak=np.radians(5), duration=7.5) + gust.shift(2.75),
-        "wyoming.txt": lambda vehicle: whole + gust.shift(float(vehicle.time) - 1.0),
+        "sounding": lambda vehicle: whole + gust.shift(float(vehicle.time) - 1.0),
     }
-    placing = {"wyoming.txt": "flight"}  # of the history; a measured wind places itself
+    placing = {"sounding": "flight"}  # of the history; a measured wind places itself
     options = {"times": [55.0, 65.0], "dead_bands": 1.0, "window": 16.0, "placing": placing}
     expected = tv.size(schedule, winds, **options)
     given = (
@@ -163,7 +163,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     pulse = ("--duration", "7.5")
     document = json.loads(run("ascent", "configuration-i", *FLOWN, *pulse, *FAST, *given).stdout)
 
-    assert document["winds"][1] == "wyoming.txt"
+    assert document["winds"][1] == "wyoming.txt, gust of 1 deg, 2 s"
     for one, values in expected.required.items():
         np.testing.assert_allclose(
             document["required_deg"][one.label], np.degrees(values), rtol=1e-9, err_msg=one.label
@@ -178,6 +178,22 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     assert yaw["required_deg"]["trim"][0][0] == pytest.approx(
         np.degrees(abs(B) * np.abs(at).max()), rel=1e-4
     )
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        ("ascent", "configuration-i", "--from", "60", "--to", "60", "--dead-band", "1"),
+        ("fly", "configuration-i", "--limit-deg", "2"),
+        ("boundary", "configuration-i"),
+    ],
+)
+def test_the_title_names_the_gust_on_a_sounding(given) -> None:
+    """Also where a file sets it, of which the command line says nothing."""
+    gust = "--set", "gust.peak_deg=1", "--set", "gust.duration_s=0.5"
+    title = " ".join(run(*given, *FLOWN, *gust).output.split()).partition(" Note")[0]
+    assert "wyoming.txt" in title
+    assert "gust of 1 deg, 0.5 s" in title
 
 
 @pytest.mark.thorough

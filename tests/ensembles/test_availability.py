@@ -11,7 +11,7 @@ import tvclin as tv
 from tests.archives import Balloon, days, jet, write
 from tests.requirement.test_sizing_varying import trim_law_is_lost
 from tests.turns import usual
-from tvclin.ascent.measured_wind import FlightWind, gust_of_speed
+from tvclin.ascent.measured_wind import FlightWind, GustOfSpeed
 from tvclin.ensembles.statistics import effective_number, survival_fraction
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
 from tvclin.requirement.flight.flight_requirement import FlightMode
@@ -523,7 +523,7 @@ def test_a_gust_by_its_speed_is_met_at_the_angle_of_its_time(flight, archive) ->
         where = {"plane": plane, "azimuth": towards, "sign": "frozen"}
         need = tv.availability(flight, one(wind), **options, **where).required[0]
         bare = tv.availability(flight, one(wind), limit=1.0, **where).required[0]
-        each = size_says(flight, wind, gust_of_speed(gust, speed, plane), plane, towards)
+        each = size_says(flight, wind, GustOfSpeed(gust, speed, plane), plane, towards)
         assert need >= each - 4e-4 * (need - bare)
         assert need > bare
 

@@ -5,7 +5,7 @@ import pytest
 
 import tvclin as tv
 from tests.turns import usual
-from tvclin.ascent.measured_wind import FlightWind, gust_of_speed
+from tvclin.ascent.measured_wind import FlightWind, GustOfSpeed
 from tvclin.base.lines import text
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.requirement.flight.sizing_tables import legend, time_tables, wind_columns_table
@@ -211,7 +211,7 @@ def test_a_gust_of_a_speed_has_at_each_time_the_angle_of_that_time(plane: str) -
     flight = tv.load_schedule("configuration-i")
     wind = tv.WindProfile(height=[4e3, 12e3, 25e3], east=[5.0, 40.0, 5.0], north=[5.0, 30.0, 5.0])
     gust, where = tv.OneMinusCosineGust(peak=0.01, duration=2.0), {"azimuth": 1.0, "plane": plane}
-    speed = gust_of_speed(gust, 9.0, plane)
+    speed = GustOfSpeed(gust, 9.0, plane)
     result = tv.fly_through(wind, flight, gust=speed, **where)
     for time in (55.0, 80.0):
         vehicle = flight.at(time)

@@ -582,7 +582,10 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
     result = find(plan)
     sizing, shown = result.flight[0], section(result, "flight")
 
-    assert sizing.winds == ("triangular wind of 5 deg, 35 s, gust of 1 deg, 2 s", "w.csv")
+    assert sizing.winds == (
+        "triangular wind of 5 deg, 35 s, gust of 1 deg, 2 s",
+        "w.csv, gust of 1 deg, 2 s",
+    )
     for j in range(2):
         for name, values in sizing.required.items():
             if np.isfinite(values[0, j]):

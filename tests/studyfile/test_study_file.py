@@ -106,7 +106,7 @@ def test_a_study_of_a_flight_has_its_winds_and_times(tmp_path: Path) -> None:
 
     assert list(request.winds(result)) == [
         "triangular wind of 60 m/s, 7.5 s, gust of 1 deg, 2 s",
-        "15 February",
+        "15 February, gust of 1 deg, 2 s",
     ]
     assert (result.wind.gust.end, result.wind.gust_at, request.window) == (2.0, 3.75, 30.0)
     assert request.times(result).tolist() == [50.0, 55.0, 60.0, 65.0, 70.0, 75.0, 80.0, 85.0, 90.0]
@@ -158,7 +158,10 @@ def test_one_file_drives_the_sizing_of_a_flight(tmp_path: Path) -> None:
     assert one == other
     assert by_file.exit_code == by_options.exit_code
     assert one["times_s"] == [70.0, 90.0]
-    assert one["winds"] == ["triangular wind of 4 deg, 7.5 s, gust of 1 deg, 2 s", "wyoming.txt"]
+    assert one["winds"] == [
+        "triangular wind of 4 deg, 7.5 s, gust of 1 deg, 2 s",
+        "wyoming.txt, gust of 1 deg, 2 s",
+    ]
     wider = json.loads(run("ascent", file, "--every", 50, "--plane", "yaw", "--json").stdout)
     assert (wider["times_s"], wider["plane"]) == ([70.0, 90.0], "yaw")
 

@@ -146,7 +146,7 @@ class MeasuredWind:
         Length of the window [s]; the whole wind where it is not given.
     gust : History or callable, optional
         Added to it, with the wind's sign if its peak is positive; its middle is at the flight time.
-        Nothing is added to a calm. A function gives it for the vehicle, as `gust_of_speed`.
+        Nothing is added to a calm. A function gives it for the vehicle, as `GustOfSpeed`.
     notes : tuple of str
         Where the wind is not known for another reason than that the sounding ends.
     speeds : SoundingSpeeds, optional
@@ -340,7 +340,7 @@ def fly_through(
     window : float, optional
         Length [s] of the interval about the time of a vehicle that counts; by default all times.
     gust : History or callable, optional
-        Gust on top of the wind, or a function from a vehicle to its gust; see `gust_of_speed`.
+        Gust on top of the wind, or a function from a vehicle to its gust; see `GustOfSpeed`.
     pressure : bool
         Whether the dynamic pressure encountered counts, or the nominal one.
     bias : WindProfile, optional
@@ -469,21 +469,45 @@ def _beyond_linear(
     )
 
 
-def gust_of_speed(gust: History, speed: float, plane: str) -> GustOf:
-    """Return a gust of a wind speed [m/s], as a function from a vehicle to its wind angle [rad].
+@dataclass(frozen=True, eq=False)
+class GustOfSpeed:
+    """A gust of a wind speed, which has another wind angle for each vehicle: a function of it.
 
-    `gust`: its shape, of any peak. `plane`: pitch, yaw or both; for both it is taken as across the
-    path, where the angle is largest. The function that is returned raises `NotKnownError` for a
-    vehicle with a wind angle beyond linear aerodynamics, 30 deg.
+    Attributes
+    ----------
+    shape : History
+        The gust over time, of any peak.
+    speed : float
+        Wind speed at its peak [m/s].
+    plane : str
+        Pitch, yaw or both; for both it is taken as across the path, where the angle is largest.
     """
 
-    def of_vehicle(vehicle: Vehicle) -> History:
-        """Return `gust` as wind angles [rad] of a vehicle, with the peak of the `speed` [m/s]."""
-        across = plane if plane == "pitch" else "yaw"
-        angle = float(wind_angles.angle_in_plane(speed, vehicle.velocity, vehicle.attitude, across))
-        return gust * (wind_angles.checked_linear(angle) / float(gust.peak))
+    shape: History
+    speed: float
+    plane: str
 
-    return of_vehicle
+    def __call__(self, vehicle: Vehicle) -> History:
+        """Return the gust as wind angles [rad] of a vehicle; `NotKnownError` beyond 30 deg."""
+        plane = self.plane if self.plane == "pitch" else "yaw"
+        angle = float(
+            wind_angles.angle_in_plane(self.speed, vehicle.velocity, vehicle.attitude, plane)
+        )
+        return self.shape * (wind_angles.checked_linear(angle) / float(self.shape.peak))
+
+
+def gust_words(gust: GustOf) -> str:
+    """Return the peak of a gust, as angle or wind speed, and its duration, in words.
+
+    Of a function of the vehicle other than `GustOfSpeed` neither is known.
+    """
+    if isinstance(gust, GustOfSpeed):
+        peak, shape = f"{gust.speed:g} m/s", gust.shape
+    elif isinstance(gust, History):
+        peak, shape = f"{np.degrees(float(gust.peak)):.6g} deg", gust
+    else:
+        return "gust by vehicle"
+    return f"gust of {peak}, {float(shape.end - shape.onset):g} s"
 
 
 def gust_at(gust: GustOf, vehicle: Vehicle) -> History:

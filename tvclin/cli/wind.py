@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tvclin.ascent.measured_wind import gust_words
 from tvclin.ascent.wind_along import WINDOW_S, SoundingWind
 from tvclin.base.errors import InputError, between, nonzero, number, one_of, positive
 from tvclin.base.files import called
@@ -345,4 +346,6 @@ def wind_words(name: str, case: Case) -> str:
     in_plane = case.wind_in_plane
     if isinstance(in_plane, ShapedWind):
         peak, length, gust = in_plane.peak, in_plane.duration, in_plane.gust_text
+    elif isinstance(case.wind, SoundingWind) and case.wind.gust is not None:
+        gust = f", with its {gust_words(case.wind.gust)}"
     return f"{name} wind of {degrees(peak):.4g} deg and {length:.4g} s{gust}"

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from tvclin.ascent.measured_wind import GustOf, gust_of_speed
+from tvclin.ascent.measured_wind import GustOf, GustOfSpeed
 from tvclin.ascent.wind_along import WINDOW_S, SoundingWind
 from tvclin.base.errors import Faults, InputError, one_of, shown
 from tvclin.base.errors import text as printable_text
@@ -238,7 +238,7 @@ def _gust(document: Mapping[str, Any], plane: str) -> GustOf | None:
     if "peak_time" in values:
         raise InputError("peak_time_s in [gust] is of a wind of one shape; a sounding has its own")
     gust = gust_of(values["peak"], values["duration"], values.get("plateau", 0.0))
-    return gust if speed is None else gust_of_speed(gust, speed, plane)
+    return gust if speed is None else GustOfSpeed(gust, speed, plane)
 
 
 def _gust_speed(document: Mapping[str, Any]) -> float | None:

@@ -13,7 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tvclin.ascent.measured_wind import GustOf, SoundingGaps, fly_through, gust_at, gust_of_speed
+from tvclin.ascent.measured_wind import (
+    GustOf,
+    GustOfSpeed,
+    SoundingGaps,
+    fly_through,
+    gust_at,
+    gust_words,
+)
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
@@ -111,7 +118,8 @@ class FlightWinds:
                 "a wind with a direction is a head or a tail wind by that: leave sign"
             )
         return {self._name(pulse): self._pulse(pulse) for pulse in self.pulses} | {
-            name: self._sounding(name, pulse) for name, pulse in self.soundings.items()
+            self._with_gust(name): self._sounding(name, sounding)
+            for name, sounding in self.soundings.items()
         }
 
     @property
@@ -120,7 +128,7 @@ class FlightWinds:
         gust: GustOf | None = getattr(self.case.wind, "gust", None)
         if self.gust_speed is None or not isinstance(gust, History):
             return gust
-        return gust_of_speed(gust, self.gust_speed, self.case.planes)
+        return GustOfSpeed(gust, self.gust_speed, self.case.planes)
 
     def case_of(self, vehicle: Vehicle, pulse: ShapedWind) -> Case:
         """Return the case of a vehicle in a pulse, whose speeds become angles for this vehicle."""
@@ -174,16 +182,13 @@ class FlightWinds:
 
     def _name(self, pulse: ShapedWind) -> str:
         """Return the name of a pulse: shape, peak (or `peak_speed`), duration and gust."""
-        name = f"{pulse.shape} wind of {_strength(pulse.peak, self.peak_speed)}"
-        if pulse.gust is None:
-            return f"{name}, {pulse.duration:g} s"
-        gust, peak = pulse.gust, _strength(float(pulse.gust.peak), self.gust_speed)
-        return f"{name}, {pulse.duration:g} s, gust of {peak}, {gust.end - gust.onset:g} s"
+        peak, speed = pulse.peak, self.peak_speed
+        strength = f"{np.degrees(peak):.6g} deg" if speed is None else f"{speed:g} m/s"
+        return self._with_gust(f"{pulse.shape} wind of {strength}, {pulse.duration:g} s")
 
-
-def _strength(peak: float, speed: float | None) -> str:
-    """Return the peak of a wind as text, an angle [rad] in degrees or a speed [m/s]."""
-    return f"{np.degrees(peak):.6g} deg" if speed is None else f"{speed:g} m/s"
+    def _with_gust(self, name: str) -> str:
+        """Return the `name` of a wind with peak and duration of the gust on top of it."""
+        return name if self.gust is None else f"{name}, {gust_words(self.gust)}"
 
 
 _MIN_STEP_FRACTION = 1e-9
