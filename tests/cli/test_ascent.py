@@ -189,7 +189,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     ],
 )
 def test_the_title_names_the_gust_on_a_sounding(given) -> None:
-    """Also where a file sets it, of which the command line says nothing."""
+    """Of the whole flight, of one flight time, and of the theory."""
     gust = "--set", "gust.peak_deg=1", "--set", "gust.duration_s=0.5"
     title = " ".join(run(*given, *FLOWN, *gust).output.split()).partition(" Note")[0]
     assert "wyoming.txt" in title

@@ -591,7 +591,7 @@ def test_the_flight_in_a_measured_wind_says_where_its_numbers_are_doubtful(tmp_p
             if np.isfinite(values[0, j]):
                 key = f"flight.{j}.0.{name}_deg"
                 assert shown.values[key] == pytest.approx(np.degrees(values[0, j]), rel=1e-12)
-    assert "Required deflection [deg]: w.csv" in shown.of("caption")
+    assert "Required deflection [deg]: w.csv, gust of 1 deg, 2 s" in shown.of("caption")
     frozen = [shown.cells[k:] for k, cell in enumerate(shown.cells) if cell == ("th", "one pole")]
     one_pole = [next(text for _, text in rest if text in ("no", "yes")) for rest in frozen]
     assert one_pole == ["no", "yes"]
