@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.requirement import time_varying
 from tvclin.requirement.flight.flight_requirement import FlightEquations, FlightMode
+from tvclin.time_varying import requirements as time_varying
 
 SOUNDINGS = 10_000
 LEVELS = 128

@@ -617,6 +617,7 @@ def doors(folder: Path) -> dict[str, Door]:
         "Case.history_at": Door(
             tv.Case(vehicle=booster, wind=slanting).history_at, {"dead_band": 0.5}
         ),
+        "Case.directions": Door(tv.Case(vehicle=booster).directions, {"plane": "yaw"}),
         "Case.wind_in_plane_at": Door(
             tv.Case(vehicle=booster, wind=slanting).wind_in_plane_at, {"dead_band": 0.5}
         ),

@@ -16,7 +16,7 @@ from tvclin.ensembles.campaign.cases import ENCOUNTERED_UNKNOWN, evaluate
 from tvclin.requirement import study_tables
 from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirements
-from tvclin.requirement.varying_equations import at_pressure
+from tvclin.time_varying.equations import at_pressure
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import pressure_ratio
 

@@ -11,8 +11,8 @@ from tests.turns import usual
 from tvclin.ascent.measured_wind import FlightWind
 from tvclin.requirement.flight import flight_requirement as flight_mode
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.requirement.time_varying import FLIGHT_SUBSTEPS, SteppedWinds, encountered_at_steps
 from tvclin.studyfile.parse import parse_study
+from tvclin.time_varying.requirements import FLIGHT_SUBSTEPS, SteppedWinds, encountered_at_steps
 
 EAST = np.radians(90.0)
 

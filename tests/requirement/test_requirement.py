@@ -18,8 +18,8 @@ from tvclin.boundary.open_loop import Reason, with_larger_requirements
 from tvclin.cli.app import app
 from tvclin.flights.flown_boundary import planar_verdict
 from tvclin.requirement.nominal_requirement import may_be_zero_or_infinite
-from tvclin.requirement.time_varying import batch_requirements
-from tvclin.requirement.varying_equations import Equations
+from tvclin.time_varying.equations import Equations
+from tvclin.time_varying.requirements import batch_requirements
 from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(5.0)

@@ -402,7 +402,7 @@ def test_a_study_and_a_campaign_of_one_file_disperse_the_same_cases(name):
 
 
 def test_a_gust_without_a_time_is_where_the_nominal_vehicle_requires_most():
-    head = HEAD | {"model": "fixed-path"}
+    head = HEAD | {"model": "fixed-path", "sign": "frozen"}
     gust, outputs = {"peak_deg": 1.0, "duration_s": 2.0}, {"dead_bands": [0.5, 1.0]}
     plan = campaign(campaign=head, gust=gust, outputs=outputs)
     plant = plan.rigid_plant

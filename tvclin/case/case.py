@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError, between, instance, number, shown
+from tvclin.base.errors import InputError, between, instance, number, one_of, shown
 from tvclin.base.fields import checked, word
-from tvclin.boundary.limit import boundary_limit
-from tvclin.boundary.open_loop import open_loop_requirements
 from tvclin.case.nozzle import Nozzle
-from tvclin.kernels.choice import repeated
 from tvclin.linear.plant import DEFAULT_MODEL, MODELS, Plant, default_model, flexible_model
-from tvclin.numerics.searches import grid_minimum
 from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.linear_vehicle import FIXED_PATH, AnyVehicle, LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History, VehicleWind
-from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
-from tvclin.winds.wind_angles import FROZEN, SIGNS
+from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble, heading_cosines
+from tvclin.winds.wind_angles import CROSS, FROZEN, SIGNS
 
 if TYPE_CHECKING:
     from tvclin.control.autopilot.autopilot import Autopilot
@@ -153,6 +147,28 @@ class Case:
         """Heading of the wind [rad]; None for a wind in the plane."""
         return getattr(self.wind, "heading", None)
 
+    def directions(self, plane: str | None = None) -> tuple[str, ...]:
+        """Return the possible directions of the wind: head and tail, one of them, or cross.
+
+        `plane`: the judged plane, by default the plane of the case. Empty for the nominal dynamic
+        pressure, by request. `InputError` for an unknown plane, and a sign of a wind that has a
+        direction.
+        """
+        judged = self.plane if plane is None else one_of("plane", plane, PLANES)
+        if self.sign is not None and self.sign not in SIGNS:
+            return ()
+        if self.heading is not None:
+            if self.sign is not None:
+                raise InputError(
+                    "a wind with a direction is a head or a tail wind by that: leave sign"
+                )
+            along, _ = heading_cosines(self.heading)  # positive from behind
+            along *= float(np.sign(getattr(self.wind, "peak", 1.0)))  # a negative peak reverses it
+            return (CROSS if along == 0.0 else "tail" if along > 0.0 else "head",)
+        if judged == "yaw":
+            return (CROSS,)
+        return tuple(SIGNS) if self.sign is None else (self.sign,)
+
     def wind_at(self, dead_band: float) -> ShapedWind:
         """Return the wind of a shape, with its gust at its time, or the worst for a dead band K.
 
@@ -187,10 +203,35 @@ class Case:
         if wind.heading is not None:
             vehicle = complete_vehicle(self.vehicle, "a wind with a direction")
             wind = wind.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
-        if wind.gust is None:
+        gust = wind.gust
+        if gust is None or wind.gust_at is not None or float(gust.peak) * wind.peak < 0.0:
             return wind
+        return replace(wind, gust_at=self._worst_gust_time(wind, dead_band))
+
+    def _worst_gust_time(self, wind: ShapedWind, dead_band: float) -> float | None:
+        """Return the time [s] of the middle of the gust at which most is required; None unknown.
+
+        `wind`: the wind in the plane, with a gust. `dead_band`: K, the vehicle is trimmed up to K
+        times the limit.
+        """
+        from tvclin.time_varying import gust_time  # late, with its engine
+
         plant = Plant.from_vehicle(self.vehicle, self.model, self.plane)
-        return placed_worst(wind, plant, dead_band)
+        if plant.batch:
+            return None
+        directions = self.directions()
+        if directions and not isinstance(self.vehicle, LinearVehicle):
+            assert isinstance(self.wind, ShapedWind)
+            time = gust_time.worst_gust_time(
+                wind,
+                gust_time.encountered_over_gust_time(
+                    self.vehicle, self.model, self.plane, self.wind, directions, dead_band
+                ),
+            )
+            if time is not None:
+                return time
+        nominal = gust_time.nominal_over_gust_time(plant, wind, dead_band)
+        return gust_time.worst_gust_time(wind, nominal)
 
     @property
     def history(self) -> History:
@@ -263,49 +304,3 @@ class Case:
                 **chains,
             )
         return design.autopilot(self.plant.rigid, self.nozzle.actuator)
-
-
-_MIN_STEPS, _MAX_STEPS = 16, 64
-"""Smallest and largest number of steps over the wind, two in each duration of the gust."""
-_REFINEMENTS = 3
-"""Refinements of the time of the gust, to 1e-4 of the duration of the wind."""
-
-
-def placed_worst(wind: ShapedWind, plant: Plant, dead_band: float = 1.0) -> ShapedWind:
-    """Return a wind without a heading with its gust at the time with the largest requirement.
-
-    A wind without a gust, or with a gust that has a time, is returned unchanged. The time maximises
-    `open_loop_requirements` of the plant with a dead band K from the beginning of the wind to its
-    end, by a scan that is refined between the neighbours of its maximum. A gust that opposes the
-    wind, or one for which no limit is defined, stays in the middle. `plant`: for a batch the wind
-    is returned unchanged. `dead_band`: K, the vehicle is trimmed up to K times the limit.
-    """
-    gust = wind.gust
-    if gust is None or wind.gust_at is not None:
-        return wind
-    length = wind.duration
-    if plant.batch or float(gust.peak) * wind.peak < 0.0:
-        return wind
-    wind_without_gust, K = replace(wind, gust=None).history({}), np.asarray(dead_band)
-    middle = 0.5 * (float(gust.onset) + float(gust.end))
-
-    def required(time: FloatArray) -> FloatArray:
-        """Return the required deflections [rad] with the `middle` of the gust at times [s]."""
-        gusty = wind_without_gust + gust.shift(time - middle)
-        # Literal: the switch compares the trim deflection itself with K times the limit.
-        boundary = boundary_limit(plant, gusty, K, "literal")
-        return np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
-
-    # Two steps in each duration of the gust.
-    steps = int(np.clip(2.0 * length / float(gust.end - gust.onset), _MIN_STEPS, _MAX_STEPS))
-    times = np.linspace(0.0, length, steps + 1)
-    # the scan and its refinements: similar runs, which decide between compiled and plain code
-    with suppress(InputError), repeated(1 + _REFINEMENTS):
-        scan = required(times)
-        if not np.all(np.isfinite(scan)) or scan.max() == 0.0:
-            return wind
-        best = int(scan.argmax())
-        low, high = times[max(best - 1, 0)], times[min(best + 1, steps)]
-        time, refined = grid_minimum(lambda time: -required(time), low, high, _REFINEMENTS)
-        return replace(wind, gust_at=float(time if -refined > scan[best] else times[best]))
-    return wind

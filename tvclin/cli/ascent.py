@@ -16,7 +16,6 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.lines import Table
-from tvclin.base.quantities import NOMINAL
 from tvclin.case.case import Case
 from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
 from tvclin.cli.options import (
@@ -49,13 +48,12 @@ from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import STEADY, Sizing
 from tvclin.requirement.flight.total import DeflectionTotal, total_table
 from tvclin.requirement.required_quantity import Requirement, deflection_warnings
-from tvclin.requirement.study import GUST_NEARER_TO_PEAK, uncounted_sign
+from tvclin.requirement.study import uncounted_sign
 from tvclin.studyfile.flight_loop import FlightLoop, FlightsOfLoop
 from tvclin.studyfile.read import is_flight, load_sizing
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import BOTH
 from tvclin.vehicle.vehicle_file import source_tables
-from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.soundings.sounding_files import SoundingReading
 from tvclin.winds.wind_angles import FROZEN
 
@@ -177,7 +175,6 @@ def ascent(
             *request.warnings,
             *request.notes,
             *_hints(request, sizing),
-            *_gust_placed(case),
         ),
     )
     if csv is not None:
@@ -338,15 +335,6 @@ def _judged_planes(sizing: Sizing) -> str:
     if sizing.separate:  # sizings of each plane alone, beside that of both
         return "both planes judged"
     return f"{sizing.plane} alone judged (--plane {BOTH} judges both)"
-
-
-def _gust_placed(case: StudyPlan) -> Iterator[str]:
-    """Yield a note on the gust of a pulse without a time, in a plan where a head wind counts."""
-    wind, counts_head = case.wind, case.plane != "yaw" and case.sign in (None, "head")
-    if not counts_head or not isinstance(wind, ShapedWind) or wind.heading is not None:
-        return
-    if wind.gust is not None and wind.gust_at is None and case.sizing and case.sizing.pulse:
-        yield f"the gust is at the worst time {NOMINAL}; {GUST_NEARER_TO_PEAK}"
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:

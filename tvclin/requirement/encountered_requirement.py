@@ -9,7 +9,6 @@ raises the dynamic pressure whichever side it comes from.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from itertools import product
 from typing import Any
 
@@ -18,120 +17,18 @@ import numpy as np
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.case.case import Case
-from tvclin.requirement.time_varying import (
+from tvclin.time_varying.equations import Equations
+from tvclin.time_varying.requirements import (
     batch_requirements,
     encountered_at_steps,
     varying_requirement,
 )
-from tvclin.requirement.varying_equations import Equations
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.histories import History, VehicleWind
-from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble
-from tvclin.winds.wind_angles import (
-    CROSS,
-    FROZEN,
-    SIGNS,
-    EncounteredWind,
-    angles_from_vector_size,
-    sines_by_heading,
-    within_linear,
-)
-
-
-def directions_of(case: Case, plane: str = "") -> tuple[str, ...]:
-    """Return the possible directions of the wind of a case: head and tail, one of them, or cross.
-
-    `plane`: the judged plane, by default the plane of the case. Empty for the nominal dynamic
-    pressure, by request. `InputError` for a sign of a wind that has a direction.
-    """
-    if case.sign is not None and case.sign not in SIGNS:
-        return ()
-    if case.heading is not None:
-        if case.sign is not None:
-            raise InputError("a wind with a direction is a head or a tail wind by that: leave sign")
-        along, _ = _heading_cosines(case.heading)  # positive from behind
-        along *= float(np.sign(getattr(case.wind, "peak", 1.0)))  # a negative peak reverses it
-        return (CROSS if along == 0.0 else "tail" if along > 0.0 else "head",)
-    if (plane or case.plane) == "yaw":
-        return (CROSS,)
-    return tuple(SIGNS) if case.sign is None else (case.sign,)
-
-
-def _heading_cosines(heading: float) -> tuple[float, float]:
-    """Return the horizontal components of a wind of speed one: along the flight, and across.
-
-    Along is positive from behind, across from the right. `heading`: direction from which the wind
-    blows [rad], clockwise from the heading of the flight.
-    """
-    # on a vertical flight both horizontal components are across the path: the sines of the angles
-    along, across = sines_by_heading(heading, np.pi / 2)
-    return float(along), float(across)
-
-
-def encountered_wind(
-    wind: ShapedWind,
-    vehicle: Vehicle,
-    plane: str,
-    name: str,
-    size: float = 1.0,
-    values: Mapping[str, Any] | None = None,
-) -> EncounteredWind:
-    """Return the wind angles of attack and dynamic pressure in a plane that vehicles encounter.
-
-    Parameters
-    ----------
-    wind : ShapedWind
-        With its heading, its speeds where they are known, and its gust at its time.
-    vehicle : Vehicle
-        One vehicle, or one for each case ``(n,)``.
-    plane : str
-        Plane of the wind angles of attack.
-    name : str
-        Direction of the wind: head, tail or cross, one of `directions_of`.
-    size : float
-        Factor on the wind.
-    values : mapping, optional
-        Dispersed peaks [rad] and durations [s] of cases; see `ShapedWind.history`.
-    """
-    values = values or {}
-    path, velocity = np.asarray(vehicle.attitude), np.asarray(vehicle.velocity)
-    peak = np.asarray(values.get("wind_peak", wind.peak))
-    # angles and speeds are made positive here; their fractions in both planes have the signs
-    factor = size * np.sign(peak)
-    # wind and gust are each known by the angle [rad], or by the speed over that of the vehicle
-    angle: History | None = None
-    speed: History | None = None
-    base = replace(wind, gust=None, heading=None).history(dict(values))
-    if wind.speed is None:
-        angle = base * factor
-    else:
-        speed = base * (factor * wind.speed / (wind.peak * velocity))
-    gust = wind.gust_history(values)
-    if gust is not None and wind.gust_speed is None:
-        angle = gust * factor if angle is None else angle + gust * factor
-    elif gust is not None and wind.gust is not None and wind.gust_speed is not None:
-        gust = gust * (factor * wind.gust_speed / (float(wind.gust.peak) * velocity))
-        speed = gust if speed is None else speed + gust
-    if wind.heading is not None:
-        # a negative peak blows the other way
-        in_pitch, in_yaw = angles_from_vector_size(peak, wind.heading, path)
-        of_angle = in_pitch / np.abs(peak), in_yaw / np.abs(peak)
-        along, across = _heading_cosines(wind.heading)
-        sign = float(np.sign(wind.peak))
-        of_speed = sign * along, sign * across
-    else:
-        of_speed = (0.0, 1.0) if name == CROSS else (SIGNS[name], 0.0)
-        of_angle = np.asarray(of_speed[0]), np.asarray(of_speed[1])
-    return EncounteredWind(
-        plane=plane,
-        path=path,
-        angle=angle,
-        speed=speed,
-        of_angle=of_angle,  # fractions in pitch and yaw
-        of_speed=of_speed,  # fractions along the path and across
-    )
+from tvclin.winds.shaped import FixedWind, ShapedWind, WindEnsemble, encountered_wind
+from tvclin.winds.wind_angles import FROZEN, SIGNS, EncounteredWind, within_linear
 
 
 def encountered_requirements(
@@ -154,7 +51,7 @@ def encountered_requirements(
         For a vehicle of which speed and attitude are not known, where no horizontal wind has the
         angle, for angles beyond linear aerodynamics, and for a wind too long to be followed.
     """
-    names = directions_of(case)
+    names = case.directions()
     if not names:
         return {}
     vehicle = complete_vehicle(case.vehicle, "the dynamic pressure encountered").rigid
@@ -245,7 +142,7 @@ def encountered_batch(
     if isinstance(case.wind, ShapedWind):
         winds = [
             encountered_wind(case.wind, vehicle, plane, name, values=values)
-            for name in directions_of(case, plane)
+            for name in case.directions(plane)
         ]
     elif uses_encountered_pressure(case.sign):
         assert isinstance(case.wind, FixedWind | WindEnsemble)

@@ -43,8 +43,8 @@ from tvclin.boundary.optimum.minimum_peak import Optimum, minimum_peaks, optimum
 from tvclin.boundary.optimum.rate_limit import RateLimitedOptimum, optimum_with_rate_limit
 from tvclin.linear.deflections import trim_deflection
 from tvclin.linear.plant import Plant
-from tvclin.requirement.time_varying import batch_requirements
-from tvclin.requirement.varying_equations import Equations, has_quick_path
+from tvclin.time_varying.equations import Equations, has_quick_path
+from tvclin.time_varying.requirements import batch_requirements
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, NominalWind, beyond_linear
 

@@ -65,11 +65,6 @@ OUTLASTS = "is too long for the single-pole theory"
 """Words on a wind in the notes of a study."""
 TRUSTS = "trusts a forecast"
 """Words on a dead band in the notes of a study."""
-GUST_NEARER_TO_PEAK = (
-    "nearer to the peak of a strong head wind it may require more, in long winds by half or more:"
-    " try other times"
-)
-"""Words on a gust that was placed at nominal dynamic pressure."""
 
 
 def vehicle_warnings(vehicle: AnyVehicle) -> Iterator[str]:
@@ -154,21 +149,16 @@ def nominal_pressure(case: Case) -> Iterator[str]:
 def gust_placed(specified: ShapedWind, need: CaseRequirement) -> Iterator[str]:
     """Yield a note on the time of a gust that was placed where it requires most.
 
-    That is where it requires most at nominal dynamic pressure. In a head wind the pressure is
-    highest at the peak of the wind, and a gust nearer to it may require more.
-
     `specified`: wind of the case. `need`: its requirement, with the gust at that time.
     """
     time = need.wind_in_plane.gust_at
     if specified.gust_at is not None or time is None:
         return
-    note = (
-        f"the gust is at the worst time {NOMINAL}, {time:.4g} s (peak_time_s in [gust] gives"
+    pressure = f" {NOMINAL}" if need.at_nominal_pressure else ""
+    yield (
+        f"the gust is at the worst time{pressure}, {time:.4g} s (peak_time_s in [gust] gives"
         " another)"
     )
-    if need.direction == "head":
-        note += f"; {GUST_NEARER_TO_PEAK}"
-    yield note
 
 
 def slow_or_paired(

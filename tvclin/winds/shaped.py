@@ -21,7 +21,15 @@ from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds import pulses
 from tvclin.winds.histories import History
-from tvclin.winds.wind_angles import angle_in_plane, angles_from_speed, angles_from_vector_size
+from tvclin.winds.wind_angles import (
+    CROSS,
+    SIGNS,
+    EncounteredWind,
+    angle_in_plane,
+    angles_from_speed,
+    angles_from_vector_size,
+    sines_by_heading,
+)
 
 SHAPES: dict[str, Callable[..., Any]] = {
     "triangular": pulses.TriangularWind,
@@ -196,11 +204,7 @@ class ShapedWind:
     @property
     def placed_gust(self) -> History | None:
         """Gust with its middle at `gust_at`, or in the middle of the wind; None without a gust."""
-        gust = self.gust
-        if gust is None:
-            return None
-        at = 0.5 * self.duration if self.gust_at is None else self.gust_at
-        return gust.shift(at - 0.5 * float(gust.onset + gust.end))
+        return self.gust_history({})
 
     @property
     def nominal(self) -> dict[str, float]:
@@ -215,8 +219,8 @@ class ShapedWind:
     def history(self, values: dict[str, Any]) -> History:
         """Return the wind angles [rad] of cases, with the gust.
 
-        `values`: dispersed "wind_peak" [rad] and "wind_duration" [s], ``(n,)``; what is missing has
-        its nominal value.
+        `values`: dispersed "wind_peak" [rad] and "wind_duration" [s], and the times of the gust,
+        "gust_at" [s], ``(n,)``; what is missing has its nominal value.
         """
         numbers = self.nominal | {k: v for k, v in values.items() if k in self.nominal}
         duration = numbers["wind_duration"]
@@ -228,15 +232,18 @@ class ShapedWind:
         """Return the gust of cases in the time of the wind, as angles [rad]; None without a gust.
 
         `values`: dispersed values by name. A change of "wind_duration" [s], ``(n,)``, shifts the
-        gust by its half: the distance to the middle of the wind is kept.
+        gust by its half: the distance to the middle of the wind is kept. "gust_at" is the time of
+        the middle of the gust [s], ``(n,)``; without it that of the wind.
         `InputError` for values that are not by name, and durations that are no numbers.
         """
         instance("values", values, Mapping, "of dispersed values by name")
-        gust = self.placed_gust
+        gust = self.gust
         if gust is None:
             return None
+        at = values.get("gust_at", 0.5 * self.duration if self.gust_at is None else self.gust_at)
         duration = np.asarray(values.get("wind_duration", self.duration))
-        return gust.shift(0.5 * (duration - self.duration))
+        shift = np.asarray(at) - 0.5 * float(gust.onset + gust.end)
+        return gust.shift(shift + 0.5 * (duration - self.duration))
 
 
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
@@ -251,6 +258,81 @@ def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> Histo
         return wind.history({"wind_peak": size}) * 0.0
     gust = None if wind.gust is None else wind.gust * (peak / size)
     return replace(wind, peak=peak, heading=None, gust=gust).history({})  # nothing is dispersed
+
+
+def heading_cosines(heading: float) -> tuple[float, float]:
+    """Return the horizontal components of a wind of speed one: along the flight, and across.
+
+    Along is positive from behind, across from the right. `heading`: direction from which the wind
+    blows [rad], clockwise from the heading of the flight.
+    """
+    # on a vertical flight both horizontal components are across the path: the sines of the angles
+    along, across = sines_by_heading(heading, np.pi / 2)
+    return float(along), float(across)
+
+
+def encountered_wind(
+    wind: ShapedWind,
+    vehicle: Vehicle,
+    plane: str,
+    name: str,
+    size: float = 1.0,
+    values: Mapping[str, Any] | None = None,
+) -> EncounteredWind:
+    """Return the wind angles of attack and dynamic pressure in a plane that vehicles encounter.
+
+    Parameters
+    ----------
+    wind : ShapedWind
+        With its heading, its speeds where they are known, and its gust at its time.
+    vehicle : Vehicle
+        One vehicle, or one for each case ``(n,)``.
+    plane : str
+        Plane of the wind angles of attack.
+    name : str
+        Direction of the wind: head, tail or cross.
+    size : float
+        Factor on the wind.
+    values : mapping, optional
+        Dispersed peaks [rad], durations and times of gusts [s]; see `ShapedWind.history`.
+    """
+    values = values or {}
+    path, velocity = np.asarray(vehicle.attitude), np.asarray(vehicle.velocity)
+    peak = np.asarray(values.get("wind_peak", wind.peak))
+    # angles and speeds are made positive here; their fractions in both planes have the signs
+    factor = size * np.sign(peak)
+    # wind and gust are each known by the angle [rad], or by the speed over that of the vehicle
+    angle: History | None = None
+    speed: History | None = None
+    base = replace(wind, gust=None, heading=None).history(dict(values))
+    if wind.speed is None:
+        angle = base * factor
+    else:
+        speed = base * (factor * wind.speed / (wind.peak * velocity))
+    gust = wind.gust_history(values)
+    if gust is not None and wind.gust_speed is None:
+        angle = gust * factor if angle is None else angle + gust * factor
+    elif gust is not None and wind.gust is not None and wind.gust_speed is not None:
+        gust = gust * (factor * wind.gust_speed / (float(wind.gust.peak) * velocity))
+        speed = gust if speed is None else speed + gust
+    if wind.heading is not None:
+        # a negative peak blows the other way
+        in_pitch, in_yaw = angles_from_vector_size(peak, wind.heading, path)
+        of_angle = in_pitch / np.abs(peak), in_yaw / np.abs(peak)
+        along, across = heading_cosines(wind.heading)
+        sign = float(np.sign(wind.peak))
+        of_speed = sign * along, sign * across
+    else:
+        of_speed = (0.0, 1.0) if name == CROSS else (SIGNS[name], 0.0)
+        of_angle = np.asarray(of_speed[0]), np.asarray(of_speed[1])
+    return EncounteredWind(
+        plane=plane,
+        path=path,
+        angle=angle,
+        speed=speed,
+        of_angle=of_angle,  # fractions in pitch and yaw
+        of_speed=of_speed,  # fractions along the path and across
+    )
 
 
 @dataclass(frozen=True, eq=False)

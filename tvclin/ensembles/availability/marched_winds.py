@@ -14,11 +14,11 @@ import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.ensembles.availability.sounding_winds import FlightPath, LineWinds, WindGrowth, on_lines
-from tvclin.requirement import time_varying
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.requirement.time_varying import SteppedWinds
-from tvclin.requirement.varying_curves import Curves, smaller
-from tvclin.requirement.varying_equations import Equations
+from tvclin.time_varying import requirements as time_varying
+from tvclin.time_varying.curves import Curves, smaller
+from tvclin.time_varying.equations import Equations
+from tvclin.time_varying.requirements import SteppedWinds
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 

@@ -34,7 +34,7 @@ from tvclin.ensembles.dispersions import (
     modes_nominal,
 )
 from tvclin.linear.plant import Plant
-from tvclin.requirement.encountered_requirement import directions_of, uses_encountered_pressure
+from tvclin.requirement.encountered_requirement import uses_encountered_pressure
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import NUMBERS, Vehicle
@@ -320,7 +320,7 @@ class Campaign(Case):
         if self.nozzle.limit_shape is None:
             if isinstance(self.wind, ShapedWind) and self.heading is not None:
                 self.wind.in_plane(self.plane, float(np.asarray(self.vehicle.attitude)))
-                directions_of(self)
+                self.directions()
             return
         if self.heading is None:
             raise errors.InputError(
@@ -328,7 +328,7 @@ class Campaign(Case):
                 " and the azimuth of the flight"
             )
         errors.one_of("limit_shape of a campaign", self.nozzle.limit_shape, LIMIT_SHAPES)
-        directions_of(self)
+        self.directions()
         if "flown" in self.outputs:
             raise errors.InputError(
                 'the output "flown" is of one plane: leave it out, or the limit of both planes'

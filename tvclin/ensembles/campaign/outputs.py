@@ -37,11 +37,7 @@ from tvclin.flights.closed_loop.fly_many import FlownCases, fly_many
 from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
-from tvclin.requirement.encountered_requirement import (
-    directions_of,
-    encountered_batch,
-    uses_encountered_pressure,
-)
+from tvclin.requirement.encountered_requirement import encountered_batch, uses_encountered_pressure
 from tvclin.requirement.flight.flight_winds import PEAK, place
 from tvclin.requirement.nominal_requirement import may_be_zero_or_infinite, required_deflection
 from tvclin.requirement.plane_requirement import (
@@ -359,7 +355,7 @@ def _winds_along(
     time = float(np.asarray(campaign.vehicle.time))
     # the window, of 1 s here, is not used for a wind placed by its peak
     placed = place(wind, campaign.vehicle, time, placing=PEAK, window=1.0).in_flight
-    directions = directions_of(campaign) or (FROZEN,)
+    directions = campaign.directions() or (FROZEN,)
     # in yaw a wind is a cross wind, for which `wind_along` takes no direction
     signs = [name if name == FROZEN or plane == "pitch" else None for name in directions]
     return [wind_along(flight, placed, plane, name) for name in signs]

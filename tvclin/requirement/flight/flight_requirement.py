@@ -41,11 +41,9 @@ from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.case.case import Case
 from tvclin.requirement.case_requirement import case_requirement, pulse_of
-from tvclin.requirement.encountered_requirement import directions_of, encountered_wind
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.required_quantity import Requirement
-from tvclin.requirement.time_varying import MAX_BATCH_STEPS, step_times, varying_requirement
-from tvclin.requirement.varying_equations import (
+from tvclin.time_varying.equations import (
     PRESSURES,
     Equations,
     UnstableModes,
@@ -55,9 +53,10 @@ from tvclin.requirement.varying_equations import (
     unstable_end,
     unstable_modes_of,
 )
+from tvclin.time_varying.requirements import MAX_BATCH_STEPS, step_times, varying_requirement
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import at_pressure
-from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.shaped import ShapedWind, encountered_wind
 from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
 _STEP_OVER_TIME_CONSTANT = 0.1
@@ -633,7 +632,7 @@ def _winds_along(
     in_plane, winds = case.wind_in_plane_at(K), {}
     assert isinstance(in_plane, ShapedWind)
     placed = replace(pulse_of(case), gust_at=in_plane.gust_at)
-    for direction in directions_of(case):
+    for direction in case.directions():
         wind = encountered_wind(placed, vehicle, case.plane, direction)
         wind = replace(wind.shift(begins - float(wind.history.onset)), flight=flight)
         wind.check_linear()

@@ -10,7 +10,7 @@ fastest unstable mode at the end of the wind, the unstable component p.x obeys
 
 for a deflection held from t on. Under ideal trim up to t the deflection limit that is sufficient
 when it is held from t on is demand(t) = -(p.x + F)/R, beside trim(t) itself
-(`kernels.trim_and_demand`). `varying_curves` reads from both what a control with a dead band
+(`kernels.trim_and_demand`). `time_varying.curves` reads from both what a control with a dead band
 requires; with one unstable mode, and while p.b keeps its sign, the demand at the onset is the
 minimum peak of all control. Else that is at least ``|p.x + F|`` over the integral of ``|p.b|``.
 
@@ -40,8 +40,8 @@ from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import repeated, run
-from tvclin.requirement.varying_curves import Curves, parabola
-from tvclin.requirement.varying_equations import Equations, minimum_peaks
+from tvclin.time_varying.curves import Curves, at_substeps
+from tvclin.time_varying.equations import Equations, minimum_peaks
 from tvclin.winds.histories import History
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, EncounteredWind, NominalWind
 
@@ -148,11 +148,11 @@ def _breakpoints(wind: History, motion: Motion) -> FloatArray:
     return np.clip(np.sort(np.concatenate(columns, axis=-1), axis=-1), onset, end)
 
 
-def step_times(wind: History, motion: Motion, parts: int = 1) -> FloatArray:
+def step_times(wind: History, motion: Motion, parts: float = 1) -> FloatArray:
     """Return times [s] at begin, middle and end of the steps over winds, ``(n, S, 3)``.
 
     Breakpoints of winds and motion are ends of steps, which between them are even. `parts`: number
-    of substeps of each step. `InputError` where a wind takes more steps than can be followed.
+    of substeps of each step, at least 1/4. `InputError` where a wind takes too many steps.
     """
     counts = step_counts(wind, motion).max(axis=0)
     if not counts.sum() <= _MAX_STEPS:
@@ -187,7 +187,7 @@ def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> Flo
 
 
 def encountered_at_steps(
-    motion: Motion, encountered: Encounter | Sequence[Encounter], parts: int = 1
+    motion: Motion, encountered: Encounter | Sequence[Encounter], parts: float = 1
 ) -> tuple[FloatArray, ...]:
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
@@ -271,7 +271,12 @@ class VaryingRequirement:
 
 
 def varying_requirement(
-    motion: Motion, encountered: Encounter | Sequence[Encounter], dead_band: float = 1.0
+    motion: Motion,
+    encountered: Encounter | Sequence[Encounter],
+    dead_band: float = 1.0,
+    *,
+    parts: float = 1.0,
+    flights: bool = True,
 ) -> VaryingRequirement:
     """Return trim, required deflection at a dead band K and lower bound [rad] of n winds, ``(n,)``.
 
@@ -286,12 +291,16 @@ def varying_requirement(
         A wind, a batch of winds, or a sequence of winds with the same number of steps.
     dead_band : float
         K in [0, 1]: the fraction of the limit up to which the vehicle is trimmed.
+    parts : float
+        Number of substeps of each step; below one for longer steps.
+    flights : bool
+        Whether the limited law is flown where flights decide; else the curves' limit counts.
     """
     if not isinstance(encountered, Sequence) and np.all(np.isinf(encountered.history.onset)):
         none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
         unknown_time = np.full(none.shape, np.nan)
         return VaryingRequirement(none, none, minimum=none, fastest_minimum=none, time=unknown_time)
-    times, wind, ratio = encountered_at_steps(motion, encountered)
+    times, wind, ratio = encountered_at_steps(motion, encountered, parts)
     equations = motion.at_steps(times)
     winds = SteppedWinds(equations, times, wind, ratio)
     trim_and_demand = winds.curves()
@@ -316,7 +325,9 @@ def varying_requirement(
         highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
     if dead_band == 1.0:
         limit, time = trim_and_demand.limit_of_trim_law(paired)
-        required = _of_flights(motion, winds, encountered, trim_and_demand, limit, minimum)
+        required = np.maximum(limit, minimum)
+        if flights:
+            required = _of_flights(motion, winds, encountered, trim_and_demand, limit, minimum)
     else:
         required = np.minimum(np.maximum(limit, within_dead_band), highest)
         required = np.maximum(required, minimum)
@@ -413,7 +424,9 @@ def _of_flights(
     paired = np.any(equations.paired, axis=(1, 2))  # at any begin, middle or end of a step
     confirmed = np.flatnonzero(finite & ~flown & ~paired)
     if equations.drifts and confirmed.size:
-        times, wind, ratio = (_at_substeps(x) for x in (winds.times, winds.wind, winds.ratio))
+        times, wind, ratio = (
+            at_substeps(x, FLIGHT_SUBSTEPS) for x in (winds.times, winds.wind, winds.ratio)
+        )
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[confirmed, np.newaxis]
         flown[confirmed] = flights.diverge(tried, confirmed)[:, 0]
@@ -433,15 +446,6 @@ def _of_flights(
             flights = SteppedWinds(motion.at_steps(wind_times), wind_times, *wind_and_ratio)
             required[never] = flights.select(never).requirement(low[never], high[never])
     return required
-
-
-def _at_substeps(values: FloatArray) -> FloatArray:
-    """Return values at begin, middle and end of the `FLIGHT_SUBSTEPS` of steps, ``(n, S, 3)``.
-
-    `values`: at the steps, ``(n, S, 3)``, between which they are parabolas.
-    """
-    u = (np.arange(FLIGHT_SUBSTEPS)[:, np.newaxis] + [0.0, 0.5, 1.0]) / FLIGHT_SUBSTEPS
-    return parabola(values[:, :, np.newaxis, np.newaxis, :], u).reshape(len(values), -1, 3)
 
 
 def decided_by_flights(

@@ -10,15 +10,15 @@ import tvclin as tv
 from tests.turns import usual
 from tvclin.ensembles.campaign.cases import nominal
 from tvclin.kernels import choice
-from tvclin.requirement import time_varying
 from tvclin.requirement.encountered_requirement import encountered_requirements
 from tvclin.requirement.flight.flight_requirement import (
     FlightMode,
     flight_requirements,
     requirements_along,
 )
-from tvclin.requirement.time_varying import varying_requirement
-from tvclin.requirement.varying_equations import Equations, at_pressure
+from tvclin.time_varying import requirements as time_varying
+from tvclin.time_varying.equations import Equations, at_pressure
+from tvclin.time_varying.requirements import varying_requirement
 from tvclin.winds.wind_angles import NominalWind, along_from_angle, pressure_ratio, wind_triangle
 
 MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]

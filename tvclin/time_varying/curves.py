@@ -327,6 +327,16 @@ def parabola(values: FloatArray, u: FloatArray) -> FloatArray:
     return np.asarray(a + u * (4.0 * b - 3.0 * a - c + u * 2.0 * (a - 2.0 * b + c)))
 
 
+def at_substeps(values: FloatArray, parts: int) -> FloatArray:
+    """Return values at begin, middle and end of the substeps of steps, ``(n, parts S, 3)``.
+
+    `values`: at the steps, ``(n, S, 3)``, between which they are parabolas. `parts`: number of
+    substeps of each step.
+    """
+    u = (np.arange(parts)[:, np.newaxis] + [0.0, 0.5, 1.0]) / parts
+    return parabola(values[:, :, np.newaxis, np.newaxis, :], u).reshape(len(values), -1, 3)
+
+
 def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatArray) -> FloatArray:
     """Return values of Hermite's cubic of end values and end slopes, at fractions u of steps.
 

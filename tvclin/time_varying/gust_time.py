@@ -1,0 +1,112 @@
+"""Time of a gust on a wind at which the required deflection is largest.
+
+A gust without a time may come at any time of the wind, and the worst counts. The requirement over
+the time of the gust is scanned, and refined between the neighbours of its maximum: at the dynamic
+pressure encountered, in the worst direction of the wind, or at nominal dynamic pressure, by request
+and where that encountered is not known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+
+from tvclin.base.arrays import FloatArray
+from tvclin.base.errors import InputError
+from tvclin.boundary.limit import boundary_limit
+from tvclin.boundary.open_loop import open_loop_requirements
+from tvclin.kernels.choice import repeated
+from tvclin.linear.plant import Plant
+from tvclin.numerics.searches import grid_minimum
+from tvclin.time_varying.equations import Equations
+from tvclin.time_varying.requirements import varying_requirement
+from tvclin.vehicle.vehicle import Vehicle
+from tvclin.winds.shaped import ShapedWind, encountered_wind
+
+_MIN_STEPS, _MAX_STEPS = 16, 64
+"""Smallest and largest number of steps over the wind, two in each duration of the gust."""
+_REFINEMENTS = 2
+"""Refinements of the time of the gust, to 1e-3 of the duration of the wind; then a parabola."""
+_PARTS = 0.25
+"""Steps of the search over those of the requirement: four times as long, with an error of 3e-4."""
+
+Requirements = Callable[[FloatArray], FloatArray]
+"""Function that returns required deflections [rad] with the middle of a gust at times [s]."""
+
+
+def nominal_over_gust_time(plant: Plant, wind: ShapedWind, dead_band: float) -> Requirements:
+    """Return the function of required deflections [rad] at nominal pressure over gust times [s].
+
+    It is the largest of `open_loop_requirements`. `wind`: in the plane, with a gust. `dead_band`:
+    K, the vehicle is trimmed up to K times the limit.
+    """
+    K = np.asarray(dead_band)
+
+    def required(times: FloatArray) -> FloatArray:
+        """Return the required deflections [rad] with the middle of the gust at times [s]."""
+        gusty = wind.history({"gust_at": times})
+        # Literal: the switch compares the trim deflection itself with K times the limit.
+        boundary = boundary_limit(plant, gusty, K, "literal")
+        return np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
+
+    return required
+
+
+def encountered_over_gust_time(
+    vehicle: Vehicle,
+    model: str,
+    plane: str,
+    wind: ShapedWind,
+    directions: tuple[str, ...],
+    dead_band: float,
+) -> Requirements:
+    """Return the function of required deflections [rad] as encountered over gust times [s].
+
+    It is the largest of all directions of the wind. `wind`: with its heading and its gust. `plane`:
+    the judged plane. `directions`: such as "head" and "tail". `dead_band`: K, the vehicle is
+    trimmed up to K times the limit.
+    """
+    equations = Equations.frozen(vehicle.rigid, model, plane)
+
+    def required(times: FloatArray) -> FloatArray:
+        """Return the required deflections [rad] with the middle of the gust at times [s].
+
+        `InputError` where a wind turns the path further than linear aerodynamics reach.
+        """
+        by_direction = []
+        for direction in directions:
+            gusty = encountered_wind(wind, vehicle, plane, direction, values={"gust_at": times})
+            gusty.check_linear()
+            requirement = varying_requirement(
+                equations, gusty, dead_band, parts=_PARTS, flights=False
+            )
+            by_direction.append(requirement.required)
+        return np.asarray(np.max(by_direction, axis=0))
+
+    return required
+
+
+def worst_gust_time(wind: ShapedWind, required: Requirements) -> float | None:
+    """Return the time [s] of the middle of a gust with the largest requirement.
+
+    None where no limit is defined, or nothing is required. `required`: requirement over the time;
+    it is searched from the beginning of the wind to its end.
+    """
+    gust = wind.gust
+    assert gust is not None
+    # Two steps in each duration of the gust.
+    steps = 2.0 * wind.duration / float(gust.end - gust.onset)
+    steps = int(np.clip(steps, _MIN_STEPS, _MAX_STEPS))
+    times = np.linspace(0.0, wind.duration, steps + 1)
+    # the scan and its refinements: similar runs, which decide between compiled and plain code
+    with suppress(InputError), repeated(1 + _REFINEMENTS):
+        scan = required(times)
+        if not np.all(np.isfinite(scan)) or scan.max() == 0.0:
+            return None
+        best = int(scan.argmax())
+        low, high = times[max(best - 1, 0)], times[min(best + 1, steps)]
+        time, refined = grid_minimum(lambda time: -required(time), low, high, _REFINEMENTS)
+        return float(time if -refined > scan[best] else times[best])
+    return None
