@@ -209,7 +209,9 @@ class Case:
         return replace(wind, gust_at=self._worst_gust_time(wind, dead_band))
 
     def _worst_gust_time(self, wind: ShapedWind, dead_band: float) -> float | None:
-        """Return the time [s] of the middle of the gust at which most is required; None unknown.
+        """Return the time [s] of the middle of the gust at which most is required, or None.
+
+        None where no limit is defined, nothing is required, or the vehicle is a batch.
 
         `wind`: the wind in the plane, with a gust. `dead_band`: K, the vehicle is trimmed up to K
         times the limit.
@@ -224,13 +226,13 @@ class Case:
             assert isinstance(self.wind, ShapedWind)
             time = gust_time.worst_gust_time(
                 wind,
-                gust_time.encountered_over_gust_time(
+                gust_time.encountered_requirements_by_time(
                     self.vehicle, self.model, self.plane, self.wind, directions, dead_band
                 ),
             )
             if time is not None:
                 return time
-        nominal = gust_time.nominal_over_gust_time(plant, wind, dead_band)
+        nominal = gust_time.nominal_requirements_by_time(plant, wind, dead_band)
         return gust_time.worst_gust_time(wind, nominal)
 
     @property

@@ -28,18 +28,20 @@ from tvclin.winds.shaped import ShapedWind, encountered_wind
 _MIN_STEPS, _MAX_STEPS = 16, 64
 """Smallest and largest number of steps over the wind, two in each duration of the gust."""
 _REFINEMENTS = 2
-"""Refinements of the time of the gust, to 1e-3 of the duration of the wind; then a parabola."""
+"""Refinements of the time of the gust, to 1e-3 of the duration of the wind."""
 _PARTS = 0.25
-"""Steps of the search over those of the requirement: four times as long, with an error of 3e-4."""
+"""Number of steps of the search over that of the requirement: its steps are four times as long."""
 
-Requirements = Callable[[FloatArray], FloatArray]
+RequirementsByTime = Callable[[FloatArray], FloatArray]
 """Function that returns required deflections [rad] with the middle of a gust at times [s]."""
 
 
-def nominal_over_gust_time(plant: Plant, wind: ShapedWind, dead_band: float) -> Requirements:
-    """Return the function of required deflections [rad] at nominal pressure over gust times [s].
+def nominal_requirements_by_time(
+    plant: Plant, wind: ShapedWind, dead_band: float
+) -> RequirementsByTime:
+    """Return the required deflections [rad] at nominal pressure, a function of gust times [s].
 
-    It is the largest of `open_loop_requirements`. `wind`: in the plane, with a gust. `dead_band`:
+    Each is the largest of `open_loop_requirements`. `wind`: in the plane, with a gust. `dead_band`:
     K, the vehicle is trimmed up to K times the limit.
     """
     K = np.asarray(dead_band)
@@ -54,19 +56,19 @@ def nominal_over_gust_time(plant: Plant, wind: ShapedWind, dead_band: float) -> 
     return required
 
 
-def encountered_over_gust_time(
+def encountered_requirements_by_time(
     vehicle: Vehicle,
     model: str,
     plane: str,
     wind: ShapedWind,
     directions: tuple[str, ...],
     dead_band: float,
-) -> Requirements:
-    """Return the function of required deflections [rad] as encountered over gust times [s].
+) -> RequirementsByTime:
+    """Return the required deflections [rad] as encountered, a function of gust times [s].
 
-    It is the largest of all directions of the wind. `wind`: with its heading and its gust. `plane`:
-    the judged plane. `directions`: such as "head" and "tail". `dead_band`: K, the vehicle is
-    trimmed up to K times the limit.
+    Each is the largest of all directions of the wind, without flights of the limited law. `wind`:
+    with its heading and its gust. `plane`: the judged plane. `directions`: such as "head" and
+    "tail". `dead_band`: K, the vehicle is trimmed up to K times the limit.
     """
     equations = Equations.frozen(vehicle.rigid, model, plane)
 
@@ -88,11 +90,11 @@ def encountered_over_gust_time(
     return required
 
 
-def worst_gust_time(wind: ShapedWind, required: Requirements) -> float | None:
+def worst_gust_time(wind: ShapedWind, required: RequirementsByTime) -> float | None:
     """Return the time [s] of the middle of a gust with the largest requirement.
 
-    None where no limit is defined, or nothing is required. `required`: requirement over the time;
-    it is searched from the beginning of the wind to its end.
+    None where no limit is defined, or nothing is required. `wind`: with the gust; the search goes
+    from its beginning to its end. `required`: required deflections [rad] by time of the gust.
     """
     gust = wind.gust
     assert gust is not None

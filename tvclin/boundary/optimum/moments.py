@@ -115,9 +115,8 @@ class Constraints:
         """
         if self.real:
             return rows
-        first = (
-            np.cumsum(self._rows_of_poles) - self._rows_of_poles
-        )  # first row of each pole, which has one or two
+        # first row of each pole, which has one or two
+        first = np.cumsum(self._rows_of_poles) - self._rows_of_poles
         paired = self._rows_of_poles == 2
         second = np.where(paired, rows[np.minimum(first + 1, rows.size - 1)], 0.0)
         return rows[first] - 1j * second
