@@ -130,7 +130,7 @@ def _bisected(
     """
 
     def diverges(which: IndexArray, limits: FloatArray) -> BoolArray:
-        """Return whether limits ``(c, ...)`` diverge in c of the `cases` ``(c,)``, by `after`."""
+        """Return whether limits ``(c, ...)`` diverge; `which`: c indices in `cases`, ``(c,)``."""
         flat = limits.ravel()
         repeated = np.repeat(cases[which], limits.size // which.size)
         # the minimum peak after trim up to K L, or L itself where that is proved to be sufficient

@@ -359,10 +359,11 @@ class _RequiredRates:
     def words(self) -> str:
         """The required rates of autopilot and theory with the limit, in words; empty without any.
 
-        In `_rate_text` the theory is a law without a name.
+        `at`: deflection with which they are required, in words.
         """
         theory = None if self.theory is None else self.theory.required_rate
-        rates = {f"{AUTOPILOT}, flown,": self.autopilot, "": theory}  # [rad/s], None: not known
+        # required rate [rad/s] by law, none of the theory; a rate of None is not known
+        rates = {f"{AUTOPILOT}, flown,": self.autopilot, "": theory}
         return "; ".join(
             _rate_text(rate, self.at, law) for law, rate in rates.items() if rate is not None
         )

@@ -128,7 +128,10 @@ class Question(Record):
 
 
 def questioned(plan: StudyPlan) -> StudyPlan:
-    """Return a plan without the parts that its page shows and that no question judges."""
+    """Return a plan without the parts that its page shows and that no question judges.
+
+    They are the laws, and an archive of soundings without a required fraction of days.
+    """
     archive = plan.availability
     if archive is not None and archive.least_part is None:
         archive = None

@@ -271,7 +271,7 @@ class LoadWeights:
         before it: the factor adds up the weights of the load there, decayed to the node, and the
         price of the mode at the first node. Of the k columns only unstable modes are used.
         """
-        start, end = self.density_ends  # backward in time the near end of a cell is its end
+        start, end = self.density_ends  # weight per time [1/s]; the end is near the node reached
         return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property

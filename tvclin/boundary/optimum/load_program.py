@@ -203,26 +203,26 @@ class LoadProgram:
     def _loads(self) -> tuple[Any, FloatArray, FloatArray]:
         """Rows of the load over all variables, and the largest and smallest load with these zero.
 
-        Variables: values of the deflection, states of the modes at the nodes, and what is
-        minimised. The rows are at the nodes, where the load with zero variables is taken on both
-        sides; where the deflection itself adds to the load (M) and may jump, at both ends of each
-        cell. `shares` of the case are the factors from modes to the load.
+        Variables: deflections, states z of the modes at the nodes but the first, and the minimised
+        one. Rows are at these nodes, and the load with zero variables on both sides of them; where
+        the deflection adds M delta to the load and may jump, at the starts of the cells, then at
+        their ends. A mode adds c z (`shares` of the case). Loads are in `_unit`.
         """
         from scipy import sparse
 
         n, M = self.widths.size, self.case.ratio
-        c = self.case.column(np.conj(self.case.shares))
-        at = sparse.kron(sparse.identity(n), c[np.newaxis], format="csr")  # of the modes at nodes
+        c = self.case.column(np.conj(self.case.shares))  # Re(c z) in real and imaginary part of z
+        at_ends = sparse.kron(sparse.identity(n), c[np.newaxis], format="csr")  # load of the modes
         start, end = self.reference_load[:, 0] / self._unit, self.reference_load[:, -1] / self._unit
-        first, last = self._levels
         if M == 0.0:
             after = np.append(start[1:], end[-1])
-            rows = [sparse.csr_matrix((n, self._variables)), at, sparse.csr_matrix((n, 1))]
+            rows = [sparse.csr_matrix((n, self._variables)), at_ends, sparse.csr_matrix((n, 1))]
             return sparse.hstack(rows).tocsr(), np.maximum(end, after), np.minimum(end, after)
-        # of the modes at the starts of cells; they are zero at the first node
-        before = sparse.vstack([sparse.csr_matrix((1, at.shape[1])), at[:-1]])
-        blocks = [sparse.vstack([M * first, M * last]), sparse.vstack([before, at])]
+        first, last = self._levels  # matrices from variables to deflections at starts and at ends
+        at_starts = sparse.vstack([sparse.csr_matrix((1, at_ends.shape[1])), at_ends[:-1]])
+        blocks = [sparse.vstack([M * first, M * last]), sparse.vstack([at_starts, at_ends])]
         rows = sparse.hstack([*blocks, sparse.csr_matrix((2 * n, 1))]).tocsr()
+        # the variables are whole deflections: without that of the reference in its load
         base = np.concatenate([start, end]) - M * np.tile(self.reference, 2) / self._unit
         return rows, base, base
 

@@ -126,10 +126,11 @@ def _frequencies(terms: Terms, k: int) -> FloatArray:
 
 
 def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
-    """Return the peak of |L| at frequencies that a mode owns, and its frequency [rad/s].
+    """Return the peak of |L| where a mode's partial fraction is the largest, and its frequency.
 
-    Both ``(loops,)``; NaN for a mode that owns no frequency. `terms`: partial fractions of the
-    loops. `k`: index of the mode.
+    Both ``(loops,)``, the frequency in rad/s; NaN for a mode that owns no frequency, its partial
+    fraction being nowhere the largest. `terms`: partial fractions of the loops. `k`: index of the
+    mode.
     """
     omega = _frequencies(terms, k)
     values = terms.values(omega)

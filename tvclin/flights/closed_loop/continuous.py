@@ -202,10 +202,10 @@ class Loop:
     def rates(self, t: float, states: FloatArray, regime: Regime) -> FloatArray:
         """Return the derivatives of all states at a time `t` [s], ``(n,)``.
 
-        `regime`: active limits of law and nozzle. The states are of the vehicle, the nozzle
-        (`servo`, its order) and the law, in this order; `memory` is F, G of the law's m' = F m + G
-        measurements. The nozzle has s' or s'' of `pull` [rad/s, rad/s^2], s being its deflection,
-        unless its rate is at the limit. `InputError` for a command that is not finite.
+        `regime`: signs of the active limits of law and nozzle. The states are of the vehicle, the
+        nozzle (`servo`, its order) and the law, in this order; `memory` is F, G of the law's m' = F
+        m + G measurements. The nozzle has s' or s'' of `pull` [rad/s, rad/s^2], s being its
+        deflection, unless its rate is at the limit. `InputError` for a command that is not finite.
         """
         order = self.order
         measured = self.measured(t, states, regime)

@@ -332,10 +332,10 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
 
 
 def _angles(batch: Batch, pole: float, samples: float) -> FloatArray:
-    """Return rising angles theta [rad] up to pi that resolve the response of a loop.
+    """Return rising angles theta [rad] up to pi that resolve the response at z = e^(j theta).
 
-    `batch`: one flight. `pole`: fastest unstable pole of the plant [1/s]. `samples`: delay in
-    samples, with which the phase turns.
+    `batch`: one flight, of whose loop it is. `pole`: fastest unstable pole of the plant [1/s].
+    `samples`: delay in samples, with which the phase turns.
     """
     logarithmic = np.geomspace(
         _MIN_FREQUENCY_OVER_POLE * pole * float(batch.hardware.length), np.pi, _LOGARITHMIC_ANGLES

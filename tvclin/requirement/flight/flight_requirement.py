@@ -126,9 +126,9 @@ class FlightMode:
     def _costates_and_reaches(self, t: Any) -> FloatArray:
         """Return costate p, control reach R and absolute reach in rows, ``(m + 2,) + t.shape``.
 
-        p and R are those of `at`, R the integral of p.b from t on, b being the deflection's column;
-        the absolute control reach is that of ``|p.b|``. All are integrated backwards to `t` [s]
-        from the next of the times of `_march`.
+        p, of m states, and R are those of `at`, R the integral of p.b from t on, b being the
+        deflection's column; the absolute reach is that of ``|p.b|``. All are integrated backwards
+        to `t` [s] from the next of the times of `_march`, as one row for each time (`_before`).
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
         ends, costates = self._march  # times of storage [s], and p with both reaches there
@@ -497,9 +497,9 @@ def requirements_along(
 ) -> FloatArray:
     """Return deflections [rad] and exit time [s] of winds, ``(n, 4)``.
 
-    They are the required deflection, the minimum, and that of the fastest unstable mode alone. The
-    exit time is that at which the dead band is left with the required limit. Deflections are zero,
-    and the time is NaN, for a calm and a stable flight. `mode`: unstable mode along the flight.
+    They are the required deflection, the minimum of any control, and that for the fastest unstable
+    mode alone; and the time at which the dead band is left with the required limit. Deflections are
+    zero, and the time is NaN, for a calm and a stable flight. `mode`: unstable mode of the flight.
     `dead_band`: K, from 0 to 1. A wind counts as long as the vehicle has an unstable pole
     (`until_stable`). Winds with the same number of steps are computed together, except on a quick
     path: there one by one, since the length of such a flight depends on the others of its batch.

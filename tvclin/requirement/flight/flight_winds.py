@@ -303,13 +303,13 @@ def concurrent_trim(
     limit_shape: LimitShape,
     known: BoolArray,
 ) -> ConcurrentTrim:
-    """Return the largest trim ``|B(t) alpha_w(t)|`` [rad] around each flight time, ``(n, m)``.
+    """Return the largest trim ``|B(t) alpha_w(t)|`` around each flight time, and when it occurs.
 
-    B is trim deflection per angle of attack.
-    `times`: n flight times [s]. `winds`: m winds by name; `placing`: "flight" for a wind in flight
-    time, "peak" for one whose peak is moved to each flight time, of which the trim is NaN.
-    `planes`: one plane or both; with both `limit_shape` measures the vector of trim. `known`:
-    whether a wind can be sized, ``(n, m)``; the trim of a wind that cannot is NaN.
+    B is trim deflection per angle of attack. Angle [rad] and time [s] are ``(n, m)``. `times`: n
+    flight times [s]. `winds`: m winds by name; `placing`: "flight" for a wind in flight time,
+    "peak" for one whose peak is moved to each flight time, of which the trim is NaN. `planes`: one
+    plane or both; with both `limit_shape` measures the vector of trim. `known`: whether a wind can
+    be sized, ``(n, m)``; the trim of a wind that cannot is NaN.
     """
     ordered = np.sort(times)
     # each flight time stands for the interval to the middles between it and its neighbours
