@@ -219,17 +219,17 @@ def _row(sheet: Sheet, cells: tuple[str, ...]) -> tuple[float, str, BendingMode 
         for key, cell in row.items()
     }
     time = values.pop("time_s")
-    # of the modal mass of a mode and the mass of a tank, in any unit, those that the row has
+    # "modal_mass" of a mode or "mass" of a tank: those that the row has, by a key of any unit
     masses = [
         mass
         for mass, table in _TABLES.items()
-        if any(key in table.keys and table.keys[key][0] == mass for key in values)
+        if any(key in table.keys and table.keys[key][0] == mass for key in values)  # [0]: its field
     ]
     if len(masses) != 1:
         raise InputError(
             f"{name} must have a modal mass, as a mode has, or a mass, as a tank has, and not both"
         )
-    numbers: Mapping[str, Any] = _TABLES[masses[0]].read(values)
+    numbers: Mapping[str, Any] = _TABLES[masses[0]].read(values)  # arguments in SI units
     return time, name, (bending_mode if masses == ["modal_mass"] else SloshTank)(**numbers)
 
 

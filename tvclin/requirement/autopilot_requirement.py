@@ -147,17 +147,17 @@ def autopilot_boundary(
 
 
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
-    """Return a case at the dynamic pressure encountered at the peak of `size` times its wind.
+    """Return a case with its vehicle at the largest dynamic pressure encountered in its wind.
 
-    `need`: requirement of the case, with the direction of the wind that counts. The gust is at the
-    time at which an autopilot is flown, which has no dead band: of K = 1, if none is given.
-    `InputError` for a plant in state space, which is not known at another pressure, and where the
-    pressure encountered is `unknown`, a text with the reason.
+    `need`: requirement of the case, with the plane and the direction of the wind that counts.
+    `size`: factor on the wind. The gust has its time in the case's own plane, as an autopilot is
+    flown. `InputError` for a plant in state space, known at nominal pressure alone, and where
+    `need` does not know the pressure encountered.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 
     complete = _complete(case)
-    if need.unknown:
+    if need.unknown:  # a text with the reason
         raise InputError(need.unknown)
     in_plane = case.wind_in_plane
     assert isinstance(in_plane, ShapedWind)

@@ -127,18 +127,18 @@ def boundaries(study: Study) -> Table:
     then the lower bounds (`study.needs`). The row of the verdict is marked. The last column, for a
     study with a limit, is the peak that it survives with the model of the verdict.
     """
-    names, judged = tuple(study.boundaries), _judged(study)
+    names, further = tuple(study.boundaries), _further_rows(study)
     row_label, limits = "K = ", study.nominal_requirements
     if study.switch == "report":
         row_label = "boundary limit, K = "
         limits = {name: np.abs(boundary.deflection) for name, boundary in study.boundaries.items()}
     rows: list[tuple[Line, ...]] = [((STATIC_TRIM,), *_cells(study, "trim", study.trim_deflection))]
     for i, K in enumerate(study.dead_bands):
-        mark = _VERDICT if K == study.dead_band and not judged and not study.unknown else ""
+        mark = _VERDICT if K == study.dead_band and not further and not study.unknown else ""
         sizes = {name: limit[i] for name, limit in limits.items()}
         cells = map(minimum_limit, _cells(study, f"boundary.{i}", sizes))
         rows.append(((row_label, *significant(f"boundary.{i}.K", K), mark), *cells))
-    for row in judged:
+    for row in further:
         mark, needs = _VERDICT if row.of_verdict else "", {study.model: row.required}
         rows.append(((row.label + mark,), *_cells(study, row.label.replace(" ", "_"), needs)))
     rows += [((LEAST[key],), *_cells(study, key, needs)) for key, needs in study.needs.items()]
@@ -146,12 +146,12 @@ def boundaries(study: Study) -> Table:
     head = ("control", *(h for name in names for h in (f"{name} [deg]", "over trim")))
     in_one_plane = not study.judges_both_planes and study.model in study.boundaries
     if study.limit is not None and not study.unknown and in_one_plane:
-        peaks = _survived(study, study.limit, [row.survived for row in judged])
+        peaks = _survived(study, study.limit, [row.survived for row in further])
         bound = abs(study.peak_bound)
         survived = [survivable(f"survived.{k}", peak, bound) for k, peak in enumerate(peaks)]
         head = (*head, "survivable peak [deg]")
         # NaN: the survivable peak of the other direction of the wind is not computed
-        others = [row.survived for row in judged if not row.of_verdict]
+        others = [row.survived for row in further if not row.of_verdict]
         if np.isnan(others).any() and not study.beyond_linear:
             scope = f"; survivable peak of the {study.direction} wind"
         rows = [(*row, cell) for row, cell in zip(rows, survived, strict=True)]
@@ -226,8 +226,8 @@ def question(study: Study, case: Case) -> Table:
     return quantities("Wind and question", rows)
 
 
-class _Judged(NamedTuple):
-    """Row of a required deflection [rad], with the peak [rad] that the limit survives.
+class _FurtherRow(NamedTuple):
+    """Row below the dead bands: required deflection and survivable peak [rad].
 
     `of_verdict`: whether the verdict rests on it.
     """
@@ -238,28 +238,29 @@ class _Judged(NamedTuple):
     of_verdict: bool
 
 
-def _judged(study: Study) -> list[_Judged]:
-    """Return the rows of required deflections that belong to no dead band.
+def _further_rows(study: Study) -> list[_FurtherRow]:
+    """Return the rows below the dead bands: by direction of the wind, or a row of both planes.
 
-    They are for both planes, for each direction of the wind, and, where the switch is that of the
-    report, for the dead band of the verdict. The peak that the limit survives is NaN without a
-    limit, and for a direction of the wind that does not set the required deflection.
+    With the switch "report", where rows of dead bands are boundary limits, the first is the
+    requirement of the verdict's K. A survivable peak is NaN without a limit, and for a direction of
+    the wind that does not set the required deflection.
     """
     survived = abs(study.survivable_peak or np.nan)
     if study.judges_both_planes:
-        return [_Judged("both planes", study.required_deflection, survived, of_verdict=True)]
+        return [_FurtherRow("both planes", study.required_deflection, survived, of_verdict=True)]
     if study.model not in study.boundaries:  # no boundary limit of this model
         return []
     rows = []
     nominal = study.nominal_deflection
     if study.switch == "report" and nominal:
+        # at nominal pressure the requirement is in proportion to the peak of the wind
         peak = abs(study.judged_peak) * (study.limit or np.nan) / nominal
         label = f"required, K = {study.dead_band:g}"
-        rows.append(_Judged(label, nominal, peak, of_verdict=study.at_nominal_pressure))
-    for name, need in study.encountered.items():
-        counts = study.direction == name
-        peak = survived if counts else np.nan
-        rows.append(_Judged(f"{name} wind", need, peak, of_verdict=counts))
+        rows.append(_FurtherRow(label, nominal, peak, of_verdict=study.at_nominal_pressure))
+    for direction, required in study.encountered.items():
+        governs = study.direction == direction
+        peak = survived if governs else np.nan
+        rows.append(_FurtherRow(f"{direction} wind", required, peak, of_verdict=governs))
     return rows
 
 

@@ -105,12 +105,13 @@ class Curves:
 
     @property
     def highest_limit(self) -> FloatArray:
-        """A limit [rad] that the ideal trim law never reaches in each of n winds, ``(n,)``.
+        """Highest deflection limit [rad] worth a trial in each of n winds, ``(n,)``.
 
-        It is above all trim, and above what must be held from the end of the wind on.
+        The ideal trim law never reaches it: it is a thousandth above the largest trim and above the
+        demand at the end of the wind, the limit sufficient when held from then on.
         """
-        largest = np.maximum(self.largest_trim, np.abs(self.demand[:, -1, 2]))
-        return np.asarray(largest * _UNLIMITED_OVER_TRIM)
+        final_demand = np.abs(self.demand[:, -1, 2])  # last step, its end
+        return np.asarray(_UNLIMITED_OVER_TRIM * np.maximum(self.largest_trim, final_demand))
 
     @cached_property
     def _trim_extremes(self) -> tuple[FloatArray, FloatArray]:
@@ -271,15 +272,15 @@ class Curves:
     def trim_ratios(self, dead_band: float) -> FloatArray:
         """Return trim over K [rad] of n winds, ``(n, S + 1)``, at S begins of steps and the end.
 
-        `dead_band`: K, above zero. The samples of `trim` are begin, middle and end of each step. An
-        exit of the dead band is possible only where trim is at a new maximum: the ratio is infinite
-        elsewhere, and NaN after the last such step, where no minimum peak is required.
+        It is the limit with which the dead band `dead_band`, K above zero, is left there: infinite
+        where trim is not at a new maximum, which no limit makes an exit, and NaN behind the step of
+        the last new maximum, where nothing is left to compare with a minimum peak.
         """
         trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)  # (n, 3 S)
-        new, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
-        ratio = np.where(new, trim / dead_band, np.inf)
-        last_sample = trim.shape[1] - 1 - np.argmax(new[:, ::-1], axis=-1)
-        last_step = last_sample // 3 + 1  # end of the step of that sample
+        at_maximum, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
+        ratio = np.where(at_maximum, trim / dead_band, np.inf)
+        last_sample = trim.shape[1] - 1 - np.argmax(at_maximum[:, ::-1], axis=-1)
+        last_step = last_sample // 3 + 1  # end of the step of that sample: three samples each
         at_steps = np.concatenate([ratio[:, ::3], ratio[:, -1:]], axis=-1)
         return np.where(steps > last_step[:, np.newaxis], np.nan, at_steps)
 

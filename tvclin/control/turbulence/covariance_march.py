@@ -94,13 +94,14 @@ class VaryingLoop:
             return values[0] if constant else _values_at(values, first, weights)
 
         def signal(output: str) -> Signal:
-            """Return the rows on the states and direct terms of an output and its rate, over time.
+            """Return an output, y = row x + direct alpha_w, and its rate if it has one.
 
-            The rate of y = row x is row x' + row' x, row' being the slope of the row over time.
+            The rate is row x' + row' x: to its row at the nodes is added row', the slope of the row
+            over time.
             """
-            row, direct, rate = self._nodes.signal(output)  # at the nodes; rate: such a pair
+            row, direct, rate = self._nodes.signal(output)  # at the nodes
             if rate is not None:
-                rate_row, rate_direct = rate
+                rate_row, rate_direct = rate  # row x' as such a sum
                 rate = varying(rate_row + self._slopes(row)), varying(rate_direct)
             return Signal(varying(row), varying(direct), rate)
 
@@ -381,23 +382,21 @@ def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> lis
 def _jumps_before(
     loop: DrivenLoop | VaryingLoop, times: FloatArray, first: int
 ) -> list[Jump | None]:
-    """Return the jump of a sampled loop at the begin of each of n steps; None where it has none.
+    """Return the jump of the states at the begin of each of n steps; None where there is none.
 
-    A sample has one or two intervals, each of several steps and with a jump at its end. `loop`:
-    constant or varying; without samples it has no jumps. `times`: ends of the steps [s],
-    ``(n + 1,)``. `first`: number of the first of the steps, counted from the begin of the history,
-    where the jump is taken already.
+    A sample period has one or two intervals, each of several steps and with a jump at its end.
+    `loop`: constant or varying; without samples it has no jumps. `times`: ends of the steps [s],
+    ``(n + 1,)``. `first`: number of steps from the start of the history to these. The start itself
+    has no jump here: its mean and covariance are those behind a sample.
     """
     jumps: list[Jump | None] = [None] * (len(times) - 1)
-    # number of steps from a sample to the end of each of its intervals
-    ends = np.cumsum([_steps_before(jump).size for jump in loop.jumps])
-    numbers = first + np.arange(len(times) - 1)
+    numbers = first + np.arange(len(times) - 1)  # steps from the start to the begin of each
+    steps_of_intervals = [_steps_before(jump).size for jump in loop.jumps]
+    ends = np.cumsum(steps_of_intervals)  # steps from a sample to the end of each interval
     for index, end in enumerate(ends):
-        steps_per_sample = ends[-1]
-        behind = np.flatnonzero(
-            (numbers > 0) & (numbers % steps_per_sample == end % steps_per_sample)
-        )
-        for k, jump in zip(behind, _jumps(loop, index, times[behind]), strict=True):
+        period = ends[-1]  # steps of a sample period
+        at = np.flatnonzero((numbers > 0) & (numbers % period == end % period))
+        for k, jump in zip(at, _jumps(loop, index, times[at]), strict=True):
             jumps[k] = jump
     return jumps
 

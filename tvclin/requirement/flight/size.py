@@ -388,7 +388,7 @@ def _plane_sizing(
                 schedule.span, *(w.span for row in placed for w in row if not w.calm), strict=True
             )
             mode = FlightMode(schedule, model, plane, span=(min(firsts), max(lasts)))
-            along = _along(mode, placed, bands, count_need)
+            along = _varying_requirements(mode, placed, bands, count_need)
             required |= _varying(_columns(along, bands))
             arises = _arising_times(placed, along, bands)
             messages += _missing(required, bands)
@@ -514,7 +514,7 @@ def _without_exit(
     return messages
 
 
-def _along(
+def _varying_requirements(
     mode: FlightMode,
     placed: list[list[PlacedWind]],
     bands: FloatArray,
@@ -525,15 +525,15 @@ def _along(
     `mode`: unstable mode along the flight. `placed`: winds by flight time. `bands`: dead bands K.
     `count_need`: function that returns a requirement unchanged and reports progress.
     """
-    # winds that are the same at several flight times are computed once: the history with angles of
-    # one sign and, where the angles change sign, that with both signs, by their bytes
+    # A wind that is the same at several flight times is computed once. Distinct winds by a key,
+    # the bytes of their breakpoints and coefficients: the wind with its angles of the larger sign
+    # alone and, where they change sign, behind it that with both signs.
     winds: dict[bytes, list[NominalWind]] = {}
 
     def key_of(wind: PlacedWind) -> bytes:
-        """Return the bytes of a wind as its key, and store the wind in `winds` under this key.
+        """Return the key of a wind in `winds`, where it is stored.
 
-        Stored are its history of one sign and, if it has both, that of both signs: of a sounding
-        with the dynamic pressure of its wind speeds, of another wind at the nominal one.
+        A sounding has the dynamic pressure of its wind speeds, another wind the nominal one.
         """
         histories = (wind.in_flight, *([wind.two_sided] if wind.two_sided else []))
         key = b"".join(h.knots.tobytes() + h.pieces.coefficients.tobytes() for h in histories)
@@ -545,19 +545,19 @@ def _along(
         return key
 
     keys = [[None if wind.calm else key_of(wind) for wind in row] for row in placed]
-    distinct = list(winds.values())
-    # a wind with K < 1 by its angles of one sign; with K = 1 by both, the last history
-    one_sign, both_signs = [first for first, *_ in distinct], [last for *_, last in distinct]
+    # K < 1 takes the angles of one sign; K = 1 those of both, where there are both
+    one_sign = [histories[0] for histories in winds.values()]
+    both_signs = [histories[-1] for histories in winds.values()]
     requirements = flight_requirements(mode, one_sign, bands, both_signs)
-    along = dict(zip(winds, requirements, strict=True))  # requirements by key, see `key_of`
+    by_key = dict(zip(winds, requirements, strict=True))
 
     def requirement_of(wind: PlacedWind, key: bytes | None) -> FlightRequirement:
-        """Return the requirement in `along` by its key; without one zero in a calm, else NaN."""
+        """Return the requirement of a wind; zero in a calm, which has no key, NaN if not known."""
         if key is not None:
-            return along[key]
-        none, unknown = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
-        required = np.full(bands.shape, none)
-        return FlightRequirement(none, required, none, False, trim_time=np.nan, times=unknown)
+            return by_key[key]
+        value = 0.0 if wind.known else np.nan
+        required, times = np.full(bands.shape, value), np.full(bands.shape, np.nan)
+        return FlightRequirement(value, required, value, False, trim_time=np.nan, times=times)
 
     return [
         [

@@ -136,7 +136,7 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
         head = ["time [s]", "both planes", *plane_heads, "pitch alone misses [%]"]
         nominal = replace(counted, direction="")
         rows_by_plane = tuple(
-            _by_planes(sizing, nominal, i, wind) for i in _rows_of(sizing, nominal, wind)
+            _row_of_planes(sizing, nominal, i, wind) for i in _rows_of(sizing, nominal, wind)
         )
         tables.append(Table(f"{nominal} by planes [deg]{suffix}", tuple(head), rows_by_plane))
     return tables
@@ -301,24 +301,28 @@ def _short(requirement: Requirement) -> str:
     return heading_of(requirement.name)
 
 
-def _by_planes(sizing: Sizing, counted: Requirement, i: int, wind: int | None) -> tuple[Line, ...]:
-    """Return the row with the requirement `counted` [deg] of both planes, and of each plane.
+def _row_of_planes(
+    sizing: Sizing, nominal: Requirement, i: int, wind: int | None
+) -> tuple[Line, ...]:
+    """Return the row of a flight time in the table by planes, five cells in the order of its head.
 
-    `i`: index of the flight time; `wind`: index of a wind, None for the worst. A wind fixed in the
-    flight has the time at which its requirement arises.
+    They are the time [s], the requirement [deg] of both planes, of pitch and of yaw, and the
+    fraction [%] that a limit for pitch alone misses. The time is the flight time, or, for a wind
+    fixed in the flight, that at which its requirement arises. `nominal`: key of the requirement at
+    nominal dynamic pressure. `i`, `wind`: indices of flight time and wind, None for the worst.
     """
-    required, key = sizing.required[counted][i], f"{_key(i, wind)}.planes"
+    required, key = sizing.required[nominal][i], f"{_key(i, wind)}.planes"  # [rad], by wind
     # the worst wind: an unknown requirement is below all others, which are not negative
     j = int(np.argmax(np.nan_to_num(required, nan=-1.0))) if wind is None else wind
-    arises = float(sizing.arising(counted)[j])
+    arises = float(sizing.arising(nominal)[j])  # NaN: the wind is placed at each flight time
     return (
         _time(sizing.times[i]) if np.isnan(arises) else significant("", arises, 4),
         degrees(f"{key}.both", required[j]),
         *(
-            degrees(f"{key}.{plane}", of_plane.required[counted][i, j])
+            degrees(f"{key}.{plane}", of_plane.required[nominal][i, j])
             for plane, of_plane in sizing.separate.items()
         ),
-        number(f"{key}.missing_percent", 100.0 * sizing.pitch_omitted_fraction[counted][i, j], 1),
+        number(f"{key}.missing_percent", 100.0 * sizing.pitch_omitted_fraction[nominal][i, j], 1),
     )
 
 
