@@ -419,7 +419,8 @@ class LoadLimits:
     def _proved(self, load: float) -> tuple[float, float]:
         """Return the largest lower bound [rad] of the peak at a load [rad], and its slope.
 
-        `lines` has bounds at load zero, and their decrease per load; the minimum has slope zero.
+        The slope is the decrease of the bound per load. `lines` has bounds at load zero with their
+        slopes; that of the minimum without a bound of the load is zero.
         """
         bounds = [(bound - slope * load, slope) for bound, slope in self.lines]
         return max([*bounds, (self.minimum_deflection, 0.0)])

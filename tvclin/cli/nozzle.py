@@ -465,7 +465,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
         raise InputError(f"--law may be given once with --over flight; got {len(names)}")
     law = names[0] if names else request.duty_law or "trim"
     if law != AUTOPILOT:
-        FlownLaw(gains=options.gains).only_with_autopilot(source)
+        FlownLaw(gains=options.gains).only_with_autopilot(source)  # refuses options of gains
         note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
     with bar("flight times and winds") as progress:
         duty = flight_duty(case, request, law, turbulence=case.turbulence, progress=progress)

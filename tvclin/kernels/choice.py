@@ -129,39 +129,30 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
     """Return a kernel itself, or its machine code where that pays, without counting the work.
 
     `function`: marked by `kernels.source.kernel`. `seconds`: approximate time of the call in plain
-    Python, which counts as often as the context `repeated` says. Machine code is compiled if all
-    that takes longer than `_MIN_COMPILING_SECONDS`, and loaded from disk from
-    `_MIN_LOADING_SECONDS` on. Inside a command it is also compiled if calls of all commands add up
-    to the first time, and a kernel that ran as machine code once does so to the end of the command.
+    Python, which counts as often as the context `repeated` says. Machine code that is on disk is
+    loaded where that pays; else it is compiled if the calls take longer than
+    `_MIN_COMPILING_SECONDS`, in a command if those of all commands do. A kernel that ran as machine
+    code does so to the end of the command. The context `pinned` decides before all of that.
     """
     if not available():
         return function
-    compiled = _pinned.get()
-    if compiled is None:
-        total, command = seconds * _similar_calls.get(), _command.get()
-        # plain work of the kernel in this command before
-        earlier = 0.0 if command is None else command.by_kernel.get(function, 0.0)
-        compile_now = _may_wait.get() and total > _MIN_COMPILING_SECONDS
-        importing_pays = (  # numba
-            command is None or _is_imported() or command.seconds + total > _MIN_IMPORTING_SECONDS
-        )
-        compiled = compile_now or (
-            importing_pays
-            and earlier + total > _MIN_LOADING_SECONDS
-            and (
-                _is_cached(function)
-                or (
-                    total > _MIN_LOADING_SECONDS
-                    and command is not None
-                    and _may_wait.get()
-                    and _repays(function, seconds)
-                )
-            )
-        )
-        if command is not None:
-            command.loaded |= {function} if compiled else set()
-            compiled = function in command.loaded
-    return machine_code(function) if compiled else function
+    pinned_choice = _pinned.get()
+    if pinned_choice is not None:
+        return machine_code(function) if pinned_choice else function
+    total, command = seconds * _similar_calls.get(), _command.get()
+    compiled = _may_wait.get() and total > _MIN_COMPILING_SECONDS
+    if command is None:
+        compiled = compiled or (total > _MIN_LOADING_SECONDS and _is_cached(function))
+        return machine_code(function) if compiled else function
+    # plain work of the kernel in this command before
+    earlier = command.by_kernel.get(function, 0.0)
+    importing_pays = _is_imported() or command.seconds + total > _MIN_IMPORTING_SECONDS  # numba
+    if not compiled and importing_pays and earlier + total > _MIN_LOADING_SECONDS:
+        may_compile = total > _MIN_LOADING_SECONDS and _may_wait.get()
+        compiled = _is_cached(function) or (may_compile and _repays(function, seconds))
+    if compiled:
+        command.loaded.add(function)
+    return machine_code(function) if function in command.loaded else function
 
 
 def _count(seconds: float) -> None:

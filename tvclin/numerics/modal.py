@@ -123,10 +123,11 @@ def responses(
     histories = [spread(p, p.batch) if p.batch else p for p in inputs]
     arrays = [system.poles, *(a for h in histories for a in (h.coefficients, h.rates))]
     dtype = np.dtype(complex if any(a.dtype.kind == "c" for a in arrays) else float)
+    mode_outputs = flat_batch(system.outputs, 2, dtype)
     plants = (
         flat_batch(system.poles, 1, dtype),
         flat_batch(system.gains, 2, dtype),
-        flat_batch(system.outputs, 2, dtype),
+        mode_outputs,
         system.less_wind,
     )
     first, second = (flat_arrays(history, dtype) for history in histories)
@@ -136,7 +137,7 @@ def responses(
     case_rows = np.stack([np.broadcast_to(rows, shape).ravel() for rows in positions])
     order = np.argsort(times) if np.any(times[1:] < times[:-1]) else None
     rising = times.copy() if order is None else times[order]
-    out = np.empty((case_rows.shape[1], plants[2].shape[-1], times.size))
+    out = np.empty((case_rows.shape[1], mode_outputs.shape[-1], times.size))
     indistinct = np.zeros(len(out), dtype=bool)
     # estimated run time, which decides between compiled and plain code
     seconds = len(out) * (PLAIN_SECONDS + PLAIN_SECONDS_PER_TIME * out[0].size)
@@ -147,7 +148,7 @@ def responses(
 
         `rising`: the times. `first`, `second`: both inputs. `case_rows`: their positions by case.
         """
-        memory = workspace(dtype, plants[2].shape[1:], first, second)
+        memory = workspace(dtype, mode_outputs.shape[1:], first, second)
         with np.errstate(all="ignore"):  # overflows are infinite
             kernel(rising, plants, first, second, case_rows, out, indistinct, memory, begin, end)
 

@@ -200,13 +200,13 @@ def question(study: Study, case: Case) -> Table:
         ("plane", ("pitch and yaw, one stop" if study.judges_both_planes else study.plane,)),
         ("model of the verdict", (study.model,)),
         ("wind shape", (wind.shape,)),
-        ("peak wind angle", _typed("wind.peak_deg", wind.peak)),
+        ("peak wind angle", _angle_cell("wind.peak_deg", wind.peak)),
         ("wind duration", significant("wind.duration", wind.duration, 6, "s")),
         ("dead band of the verdict, K", significant("question.dead_band", study.dead_band)),
         ("left when K times the limit is", (LEFT_WHEN[study.switch],)),
     ]
     if wind.heading is not None:
-        heading = _typed("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
+        heading = _angle_cell("wind.heading_deg", float(wind.heading) % (2.0 * np.pi))
         rows.insert(4, ("direction of the wind, from the flight", heading))  # after the peak
     if study.encountered or study.sign is not None:
         across = study.direction == CROSS
@@ -214,14 +214,14 @@ def question(study: Study, case: Case) -> Table:
     gust = (study.slanting or study.wind_in_plane).placed_gust
     if gust is not None:
         rows += [
-            ("gust on top: peak", _typed("gust.peak_deg", gust.peak)),
+            ("gust on top: peak", _angle_cell("gust.peak_deg", gust.peak)),
             ("gust begins", significant("gust.begins", gust.onset, 6, "s")),
             ("gust ends", significant("gust.ends", gust.end, 6, "s")),
         ]
     if nozzle.limit is not None:
         rows.append(("deflection limit", degrees("question.limit", nozzle.limit, unit="deg")))
     if nozzle.rate_limit is not None:
-        rate = _typed("question.rate_limit", nozzle.rate_limit, "deg/s")
+        rate = _angle_cell("question.rate_limit", nozzle.rate_limit, "deg/s")
         rows.append(("deflection rate limit", rate))
     return quantities("Wind and question", rows)
 
@@ -356,7 +356,7 @@ def _survived(study: Study, limit: float, judged: list[float]) -> list[float]:
     return [*above, *judged, *below]
 
 
-def _typed(name: str, angle: Any, unit: str = "deg") -> Line:
+def _angle_cell(name: str, angle: Any, unit: str = "deg") -> Line:
     """Return the cell of an angle [rad] or a rate [rad/s] in degrees, without padding zeros.
 
     `name`: name of the number. `unit`: unit in the cell.

@@ -104,6 +104,11 @@ class Curves:
         return np.asarray(np.maximum(high, -low))
 
     @property
+    def onset_demand(self) -> FloatArray:
+        """Demand at the onset of each wind [rad], the begin of its first step, ``(n,)``."""
+        return self.demand[:, 0, 0]
+
+    @property
     def highest_limit(self) -> FloatArray:
         """Highest deflection limit [rad] worth a trial in each of n winds, ``(n,)``.
 
@@ -218,7 +223,7 @@ class Curves:
         several such times the last has the largest limit. With K = 0 the exit is the onset.
         """
         if dead_band == 0.0:
-            limit = self.sign * self.demand[:, 0, 0]
+            limit = self.sign * self.onset_demand
             return np.where(self.has_two_signs, np.nan, limit), self.times[:, 0, 0]
         return self._exit_from(self.demand, self.demand_slope, dead_band)
 

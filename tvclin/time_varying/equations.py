@@ -283,6 +283,11 @@ class Equations:
         return ends
 
     @property
+    def has_real_mode(self) -> BoolArray:
+        """Whether a real mode is unstable at the end of the steps, ``(n,)``."""
+        return ~np.isnan(self.end[:, -1])
+
+    @property
     def drifts(self) -> bool:
         """Whether the flight path takes part in the motion."""
         return self.nominal.shape[-2] > 2

@@ -301,19 +301,17 @@ def varying_requirement(
         unknown_time = np.full(none.shape, np.nan)
         return VaryingRequirement(none, none, minimum=none, fastest_minimum=none, time=unknown_time)
     times, wind, ratio = encountered_at_steps(motion, encountered, parts)
-    equations = motion.at_steps(times)
-    winds = SteppedWinds(equations, times, wind, ratio)
-    trim_and_demand = winds.curves()
+    winds = SteppedWinds(motion.at_steps(times), times, wind, ratio)
+    equations, trim_and_demand = winds.equations, winds.curves()
     trim = trim_and_demand.largest_trim
-    # effect of a unit deflection, held after the wind, on the fastest real unstable mode: NaN
-    # without such a mode
-    no_real_mode = np.broadcast_to(np.isnan(equations.end[:, -1]), trim.shape)
-    # the demand at the onset, the begin of the first step, bounds every control from below, unless
-    # the effect of a deflection `reverses`; then the minimum peaks alone do
-    demand_bounds = ~(no_real_mode | equations.reverses)
-    fastest_minimum = np.where(demand_bounds, np.abs(trim_and_demand.demand[:, 0, 0]), 0.0)
-    # for K < 1: the limit with which trim leaves the dead band K, and when
-    peaks, limit, time = _exits(winds, trim_and_demand, dead_band)
+    has_real_mode = np.broadcast_to(equations.has_real_mode, trim.shape)
+    # the demand at the onset bounds every control from below, unless the effect of a deflection
+    # on the real mode `reverses`; then the minimum peaks alone do
+    demand_bounds = has_real_mode & ~equations.reverses
+    fastest_minimum = np.where(demand_bounds, np.abs(trim_and_demand.onset_demand), 0.0)
+    # minimum peaks from the onset on; for K < 1 the limit with which trim leaves the dead band K
+    # and survives, and when it does
+    peaks, limit, time = _peaks_and_exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(fastest_minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
     # a constant limit may drive the vehicle in either direction where unstable modes are a pair at
@@ -327,16 +325,18 @@ def varying_requirement(
         limit, time = trim_and_demand.limit_of_trim_law(paired)
         required = np.maximum(limit, minimum)
         if flights:
-            required = _of_flights(motion, winds, encountered, trim_and_demand, limit, minimum)
+            required = _required_by_flights(
+                motion, winds, encountered, trim_and_demand, limit, minimum
+            )
     else:
         required = np.minimum(np.maximum(limit, within_dead_band), highest)
         required = np.maximum(required, minimum)
-    required = np.where(no_real_mode, within_dead_band, required)  # a pair alone, or stable
+    required = np.where(has_real_mode, required, within_dead_band)  # a pair alone, or stable
     required = np.where(np.isnan(trim), np.nan, required)
     return VaryingRequirement(trim, required, minimum, fastest_minimum, time)
 
 
-def _exits(
+def _peaks_and_exits(
     winds: SteppedWinds, trim_and_demand: Curves, dead_band: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return minimum peaks [rad] of any control, and limits [rad] and times [s] of exits.
@@ -395,7 +395,7 @@ def batch_requirements(
     return required
 
 
-def _of_flights(
+def _required_by_flights(
     motion: Motion,
     winds: SteppedWinds,
     encountered: Encounter | Sequence[Encounter],
@@ -417,7 +417,7 @@ def _of_flights(
     equations = winds.equations
     # whether flights decide each requirement, and the lowest limits [rad] that they try
     flown, lowest = decided_by_flights(equations, trim_and_demand, limit)
-    finite = np.isfinite(trim_and_demand.demand[:, 0, 0])  # at the onset
+    finite = np.isfinite(trim_and_demand.onset_demand)
     required = np.maximum(limit, minimum)
     if not np.any(finite & (flown | equations.drifts)):
         return required
@@ -551,20 +551,20 @@ class SteppedWinds:
     def peaks_over_modes(
         self, path: FloatArray, trim_ratios: FloatArray | None = None
     ) -> Iterator[tuple[IndexArray, FloatArray]]:
-        """Yield cases of `Equations.modes`, and their `minimum_peaks` [rad], ``(k, S + 1)``.
+        """Yield indices of k winds and their `minimum_peaks` [rad], ``(k, S + 1)``, group by group.
 
-        They are the smallest peaks of any control from the begin of steps on. `path`: states beyond
-        attitude and rate under trim at the ends of steps, of `Curves`. `trim_ratios`: trim over K
-        [rad] at the ends of steps; None where peaks from the onset on are sufficient. Both have one
-        row for each case.
+        Those are the smallest peaks of any control from the begin of each step on. A group has
+        equally many unstable modes; winds whose demand alone bounds every control are in none.
+        `path`: states beyond attitude and rate under trim at the ends of steps, ``(n, S + 1, m -
+        2)``. `trim_ratios`: trim over K [rad] there; None where peaks from the onset suffice.
         """
-        steps, end, _onset = self._columns()  # steps, and the costate at their end
-        for modes in self.equations.modes:  # cases with the same number of modes each
+        steps, costates_and_reaches, _onset = self._columns()
+        for modes in self.equations.modes:
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
-            end_of_cases = end[cases]
-            # `end`: costate p, and control reach, the effect of a unit deflection after the wind:
-            # largest with the sign of p.b, b being the deflection's column
+            end_of_cases = costates_and_reaches[cases]
+            # a single mode, on which the effect p.b of a deflection reverses: the largest control
+            # reach is that of a deflection with the sign of p.b
             if modes.poles.shape[1] == 1:
                 reach = np.broadcast_to(self.equations.absolute_reach, len(path))[cases]
                 end_of_cases = np.append(end_of_cases[:, :-1], reach[:, np.newaxis], axis=-1)
@@ -572,16 +572,16 @@ class SteppedWinds:
             yield cases, minimum_peaks(modes, selected, end_of_cases, path[cases], ratios)
 
     def diverge(self, limits: FloatArray, cases: IndexArray | slice = slice(None)) -> BoolArray:
-        """Return whether flights through k winds diverge with limits [rad], ``(k, tries)``.
+        """Return whether flights of the ideal trim law diverge, ``(k, tries)``.
 
-        They are flights of the ideal trim law. `cases`: indices of these winds, by default all.
-        Where mu_alpha changes its sign, a flight also diverges with an attitude above
-        `MAX_LINEAR_ANGLE` before the calm of `with_calm_after`: a vehicle that becomes stable turns
-        back from any attitude, by linear equations. Elsewhere such a flight diverges by itself.
+        `limits`: deflection limits [rad] to try in each of k winds, ``(k, tries)``. `cases`:
+        indices of these winds, by default all. Where mu_alpha changes its sign, a flight also
+        diverges with an attitude above `MAX_LINEAR_ANGLE` before the calm of `with_calm_after`: a
+        vehicle that becomes stable turns back from any attitude, by linear equations.
         """
         winds = self if isinstance(cases, slice) else self.select(cases)
         equations, count = winds.equations, winds.wind.shape[1]  # number of steps
-        calm = int(steps_after(equations).max())
+        calm = int(steps_after(equations).max())  # the last of these, if the winds have a calm
         checked = count - calm if count > calm else count  # steps in which the attitude counts
         changes = np.broadcast_to(equations.changes_sign, len(limits))
         max_attitude = np.where(changes, MAX_LINEAR_ANGLE, np.inf)

@@ -82,7 +82,8 @@ class LoadCase:
     def sizes(self) -> FloatArray:
         """Sizes |s| [1/s] of the poles, ``(k,)``; 1 for a pole at zero.
 
-        They scale the modes, z' = s z + |s| eta, so that all states are in the unit of eta.
+        They scale the modes, z' = s z + |s| eta, so that all states are in rad, as eta, the
+        deflection less the reference.
         """
         return np.where(self.poles == 0.0, 1.0, np.abs(self.poles))
 

@@ -230,11 +230,12 @@ class FlightPath:
     def encountered(
         self, steps: FloatArray, winds: LineWinds, plane: str
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return times [s], wind angles of attack [rad], q/q_n and onsets of winds over even steps.
+        """Return times [s], wind angles of attack [rad], q/q_n, ``(n, S, 3)``, and onsets.
 
-        q/q_n is the dynamic pressure over the nominal one. Onsets are counted in steps. `steps`:
-        times at begin, middle and end [s], ``(1, S, 3)``. `plane`: plane of the angles, pitch or
-        yaw, which are at most 30 deg.
+        They are of n winds over even steps. q/q_n is the dynamic pressure over the nominal one; an
+        onset, where a wind begins, ``(n,)``, is counted in steps: 2.5 is the middle of the third.
+        `steps`: times at begin, middle and end [s], ``(1, S, 3)``. `plane`: plane of the angles,
+        pitch or yaw, which are at most 30 deg.
         """
         begins, last_end = steps[0, :, 0], steps[0, -1, 2]
         times, along, across, onset = winds.at_steps(np.append(begins, last_end))

@@ -47,16 +47,17 @@ SUBSTEPS = 8.0
 """Substeps in the time 1/omega, where samples are further apart."""
 
 
-def quickness(actuator: Actuator | None) -> FloatArray:
-    """Return the bandwidth [1/s] of a first-order actuator; inf without any, 0 for second order.
+def rate_per_distance(actuator: Actuator | None) -> FloatArray:
+    """Return the ratio [1/s] of an actuator's rate to its distance from the command.
 
-    The rate of such an actuator is its bandwidth times the distance to its command, which the
-    kernel compares with the rate limit; of second order the rate is a state.
+    It is the bandwidth of an actuator of first order, which has no damping, infinite without one,
+    and zero of second order, whose rate is a state instead.
     """
     if actuator is None:
         return np.asarray(np.inf)
     bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
-    return bandwidth if actuator.damping is None else np.zeros(actuator.batch)
+    is_second_order = actuator.damping is not None
+    return np.zeros(actuator.batch) if is_second_order else bandwidth
 
 
 def frequency(actuator: Actuator | None) -> FloatArray:
@@ -68,7 +69,7 @@ def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
     """Return the number of substeps of each part of a sample, ``(p, parts)``; 1 for short samples.
 
     `frequencies`: natural frequencies of the nozzles [rad/s], ``(p,)``. `lengths`: lengths [s] of a
-    sample and of its parts before and after the arrival of the command, ``(p, 1 + parts)``. Only
+    sample and of its parts after and before the arrival of the command, ``(p, 1 + parts)``. Only
     a sample longer than half of 1/omega (`COARSE`) is divided.
     """
     angles = frequencies[:, np.newaxis] * lengths  # omega times length: of a sample, of its parts
@@ -385,17 +386,20 @@ class Timing(NamedTuple):
     ) -> Timing:
         """Return the timing of the samples of p vehicles.
 
-        A delay is whole samples, `late`, and a rest: a command arrives within a sample, which is
-        then the part before the arrival and the part after it, divided into `substeps` each.
+        A delay is whole samples, `late`, and a rest, after which a command arrives within a sample.
+        Its parts, divided into `substeps` each, are then, in this order, that after the arrival,
+        which alone is there without a rest, and that before it.
         `hardware`: gives the actuators. `shape`: shape of the batch of vehicles. `length`, `delay`:
         sample periods and computing delays [s], ``(p,)``. `bandwidth` [1/s] is zero for an
         actuator of second order, 1e100 without one.
         """
-        late, rest = split_delay(delay, length)  # the part after the arrival is the first one
+        late, rest = split_delay(delay, length)
         parts = [length - rest, rest] if np.any(rest) else [length]
         lengths = np.stack([length, *parts], axis=-1)
         substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
-        bandwidth = np.minimum(spread_to(quickness(hardware.actuator), shape), _IDEAL_BANDWIDTH)
+        bandwidth = np.minimum(
+            spread_to(rate_per_distance(hardware.actuator), shape), _IDEAL_BANDWIDTH
+        )
         return cls(
             lengths=lengths,
             substeps=substeps,

@@ -57,8 +57,8 @@ def plane_flights(
 ) -> Flights:
     """Return the flights of one plane at their start, with onset and end of the vector wind.
 
-    Both planes thus have the same samples, until at most 20000 after the wind. `plant`, `law`,
-    `component`: of this plane, the last of the vector `wind`. `limit`: deflection limits of the
+    Both planes thus have the same samples, until at most 20000 after the wind. `plant`, `law`: of
+    this plane. `component`: component of the vector `wind` in it. `limit`: deflection limits of the
     plane [rad], ``(m,)``. `hardware`: sample period, delay, actuator and rate limit.
     """
     laws, length = law_batch(law, limit.shape), float(hardware.length)

@@ -76,18 +76,19 @@ class LawBatch:
         return [law.rate_noise for law in self.laws] or [(0.0, 0)] * len(self.numbers)
 
     def memory(self, lengths: FloatArray) -> Memory:
-        """Return the step matrices of the states of laws and filters.
+        """Return the step matrices of the states of laws with their filters, for each of m flights.
 
-        They are padded to the states of the law that has most; `wide` columns act on these states,
-        the sensor outputs (MEASURED), and the demand. Without states and filters they are empty,
-        one for all. A controller in state space counts as a filter. `lengths`: lengths of the steps
-        [s], one for each flight, ``(m,)``.
+        Rows give the next states, `size` of them as the largest law has, and with filters (or a
+        controller in state space) the law's inputs and its command. Columns, `wide`, are these
+        states, the sensor outputs (`MEASURED` of them), and the demand of the law. Without states
+        and filters they are empty, one for all. `lengths`: step of each flight [s], ``(m,)``.
         """
-        # `first_state` is the gain on the integral of the attitude, which a batch of gains may have
+        # a batch of gains has no `laws`: its single system is the integral of the attitude, if any
+        # has a gain on it, which is `first_state`
         integral = any(law is not None and law.first_state for law in self.numbers)
         systems = [law.state_space for law in self.laws] or [attitude_integral(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
-        size = max(
+        size = max(  # number of states of the largest law with its filters
             len(system.states) + sum(filter_.order for chain in chains for filter_ in chain)
             for system, chains in zip(systems, self.chains, strict=True)
         )

@@ -368,9 +368,9 @@ class Stages:
         They are the first Gauss point of each part of a sample, the second ones, its start, and its
         middle. `times`: starts of the samples [s], ``(m,)``.
         """
-        # lengths [s] of the parts of a sample; the first is that after the arrival of a command
+        # the columns of all flights alike: the sample's length [s], then those of its parts, of
+        # which the first, after the arrival of a command, ends the sample, and the second begins it
         lengths = self._timing.lengths[0, 1:, np.newaxis]
-        # this part ends the sample; the second, before the arrival, begins it
         begins = times + np.stack([self.period - lengths[0], [0.0]])[: len(lengths)]
         at = [begins + node * lengths for node in GAUSS_NODES]
         return np.concatenate([*at, [times, times + 0.5 * self.period]])

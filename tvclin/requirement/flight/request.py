@@ -124,7 +124,7 @@ class FlightWinds:
 
     @property
     def gust(self) -> GustOf | None:
-        """Gust [rad] over time; with a gust speed the function from a vehicle to it; or None."""
+        """Gust [rad] over time, by a gust speed a function from a vehicle to it; None without."""
         gust: GustOf | None = getattr(self.case.wind, "gust", None)
         if self.gust_speed is None or not isinstance(gust, History):
             return gust

@@ -316,14 +316,14 @@ class Panel:
         return {key: control.value for key, control in self.controls.items()}
 
     def _show(self, _change: Any = None) -> None:
-        """Start the computation for the present choices, after a pause; show errors at once.
+        """Show the answer to the present choices, its later steps as they are computed, or errors.
 
         `_change`: event of the control that moved, which is not read.
         """
         if self._setting_gains:  # by the panel itself, not by hand
             return
         if self._timer is not None:
-            self._timer.cancel()
+            self._timer.cancel()  # the later steps for choices before
         reasons = idle_controls(self._base, self.vehicle, self._values)
         for key, control in self.controls.items():
             control.disabled, control.tooltip = key in reasons, reasons.get(key)
