@@ -159,7 +159,7 @@ def test_a_study_and_a_page_exit_with_the_answer(folder, tmp_path) -> None:
     assert run("study", many, "--limit-deg", 3).exit_code == 1  # 39 of 40 are not 99 % for sure
     assert json.loads(run("study", many, "--limit-deg", 3, "--json").stdout)["questions"][1][
         "why"
-    ].startswith("too few soundings to tell whether 99 % of days fly; 39 of 39 flown")
+    ].startswith("too few soundings to tell whether 99 % of days fly; 39 of 39 soundings survived")
     pytest.importorskip("jinja2")
     pytest.importorskip("latex2mathml")
     assert run("report", few, "-o", tmp_path / "a.html").exit_code == 0

@@ -291,7 +291,7 @@ class SurvivalFraction(Shown):
     Attributes
     ----------
     flown, judged, unknown : int
-        Numbers of soundings that fly, that are judged, and that are not known.
+        Numbers of soundings that the limit survives, that are judged, and that are not known.
     effective : float
         Number of independent soundings with the same information.
     lower, upper : float
@@ -341,7 +341,7 @@ class SurvivalFraction(Shown):
             *number("availability.flown", self.flown, 0),
             " of ",
             *number("availability.judged", self.judged, 0),
-            " flown",
+            " soundings survived",
             *((", ", *unknown) if self.unknown else ()),
             ": ",
             *(*percent["part"], " %"),

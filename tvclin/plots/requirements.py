@@ -179,7 +179,7 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
     title = called(availability.judge.flight.vehicle.name or name, f"launch availability: {words}")
     look = Look(
         title,
-        "soundings that fly [%]",
+        "soundings survived [%]",
         _availability_styles(list(values)),
         legend="flown, towards" if multiple else "",
         limits={"": (0.0, 102.0)},

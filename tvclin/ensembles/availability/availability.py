@@ -119,7 +119,7 @@ def availability(
     >>> limit, azimuth = np.radians(0.4), np.radians(90)
     >>> available = tv.availability(flight, soundings, limit=limit, azimuth=azimuth)
     >>> print(available.fraction())
-    1 of 2 flown: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
+    1 of 2 soundings survived: 50.0 %; 95 % interval 1.3 to 98.7 %, as of 2 independent ones
     """
     errors.instance("flight", flight, FlightSchedule, "see load_schedule")
     _check_usable(soundings)
