@@ -206,10 +206,10 @@ class Field:
         return self.kind in UNITS
 
     def checked(self, name: str, value: Any, unit: str | None = None) -> Any:
-        """Return a `value` in `unit`, or in SI, that passes the check of an argument `name`.
+        """Return a `value`, unconverted, if it passes the check of an argument `name`.
 
-        The check raises `InputError`. A number becomes a float, and several values (`many`), for
-        which `unit` is not used, a tuple.
+        Else the check raises `InputError`, in which numbers have the `unit`, by default that of SI.
+        A number becomes a float, and several values (`many`), always in SI, a tuple.
         """
         if self.many:
             return self._each(name, value)

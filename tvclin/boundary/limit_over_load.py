@@ -278,7 +278,10 @@ class LoadLimits:
 
     @cached_property
     def minimum_load(self) -> float:
-        """Minimum load [rad] of a computed control at any deflection, or what a jump leaves."""
+        """Minimum load |alpha + M delta| [rad] of a computed control, whatever its deflection.
+
+        Where no linear programs are required it is `load_floor`, due to a jump of the wind.
+        """
         if not self._requires_programs:
             return self.load_floor
         load, _ = self._minimum_load

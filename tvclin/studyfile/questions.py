@@ -273,15 +273,17 @@ def _load(findings: Findings) -> Question:
     """Return the question whether limit and load limit admit a control that knows the wind.
 
     `findings`: results of a plan with a load limit. Its trade-off of limit over load has the lower
-    bound of the deflection [rad] within that load, at nominal dynamic pressure. Where a head wind
-    sets the requirement, the number is the bound by the pressure at its peak throughout, which is
-    no bound of the flight: no there is not known, and NOT MET stands on the nominal one.
+    bound of the deflection [rad] within that load, in this plane (`plane_ratio`: the limit of both
+    over it), at nominal dynamic pressure. Where a head wind sets the requirement, the bound shown
+    is by the pressure at its peak throughout, which is no bound of the flight: a limit below it is
+    not known to be sufficient or not. A limit below the nominal one is not sufficient.
     """
     name, trade_off, rates = "load", findings.loads, findings.rates
     if trade_off is None:
-        none = rates is not None and np.isinf(rates.lower_bound)
-        words = "at this rate no deflection is sufficient" if none else _reason(findings, "loads")
-        return Question(name, False if none else None, (words,))
+        too_slow = rates is not None and np.isinf(rates.lower_bound)
+        reason = _reason(findings, "loads")
+        words = "at this rate no deflection is sufficient" if too_slow else reason
+        return Question(name, False if too_slow else None, (words,))
     line: Line = ("for this load, of a control that knows the wind",)
     yes, head, ratio = trade_off.above_lower_bound, findings.head, findings.study.plane_ratio
     pressure = NOMINAL
@@ -289,9 +291,9 @@ def _load(findings: Findings) -> Question:
         nominal = minimum_limit(
             degrees("answer.calm_load", trade_off.lower_bound * ratio, unit="deg")
         )
-        covered, trade_off = yes, head.loads
-        yes = _also_in_head_wind(yes, trade_off.above_lower_bound)
-        if covered and yes is None and trade_off.limit is not None:
+        at_nominal, trade_off = yes, head.loads
+        yes = _also_in_head_wind(at_nominal, trade_off.above_lower_bound)
+        if at_nominal and yes is None and trade_off.limit is not None:
             line = (f"the limit covers the bound of this load {NOMINAL}, and not the larger one",)
         line = (*line, _at_peak(findings), *nominal)
         pressure = f"by the peak pressure of a {findings.study.direction} wind throughout"

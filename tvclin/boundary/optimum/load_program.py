@@ -235,7 +235,8 @@ class LoadProgram:
         """
         from scipy import sparse
 
-        loads, high, low = self._loads  # rows, and the load without the variables at its extremes
+        # rows of the load over the variables, and its extremes where these are zero
+        loads, high, low = self._loads
         count, unknowns = loads.shape[1], self._variables  # the first variables are deflections
 
         def under(rows: Any, minimised: bool) -> Any:
@@ -255,7 +256,7 @@ class LoadProgram:
             parts += [under(static, True), under(-static, True)]
             values += [np.zeros(2 * wide.size)]
         if np.isfinite(self.case.rate):
-            first, last = self._levels
+            first, last = self._levels  # from variables to deflections at starts, ends of cells
             rest = sparse.csr_matrix((last.shape[0], count - unknowns))
             change = sparse.hstack([last - first, rest])
             parts += [change, -change]

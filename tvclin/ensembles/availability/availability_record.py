@@ -169,10 +169,10 @@ class Availability(Tabled):
         fraction = errors.number("fraction", fraction, errors.between(0.0, 1.0))
         all_soundings = np.ones(len(self.soundings), dtype=bool)
         unknown_lost, unknown_flown = (
-            self._rows(self._fractions(self.limit, all_soundings, unknown))
+            self._as_tuple(self._fractions(self.limit, all_soundings, unknown))
             for unknown in (0.0, 1.0)
         )
-        return self._plain(
+        return self._by_azimuth(
             [
                 True if low.lower >= fraction else False if high.upper < fraction else None
                 for low, high in zip(unknown_lost, unknown_flown, strict=True)
@@ -265,7 +265,7 @@ class Availability(Tabled):
                     why=required.reasons[0],
                 )
             )
-        return self._plain(verdicts)
+        return self._by_azimuth(verdicts)
 
     def _columns(self) -> Columns:
         """Return the table of requirements [rad] and verdicts, by azimuth and sounding time.
@@ -309,7 +309,9 @@ class Availability(Tabled):
     def as_dict(self) -> dict[str, Any]:
         """Return the record for JSON, angles in degrees."""
         names = [f"{100 * fraction:g} %" for fraction in PLACARD]
-        months = {str(month): self._rows(fractions) for month, fractions in self.by_month().items()}
+        months = {
+            str(month): self._as_tuple(fractions) for month, fractions in self.by_month().items()
+        }
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).round(12)
         placards = np.degrees(np.atleast_2d(self.placard()))
         towards = [
@@ -320,7 +322,7 @@ class Availability(Tabled):
                 "placard_deg": dict(zip(names, placards[a], strict=True)),
                 "persistence_deg": np.degrees(self.persistence[a]),
             }
-            for a, fraction in enumerate(self._rows(self.fraction()))
+            for a, fraction in enumerate(self._as_tuple(self.fraction()))
         ]
         return {
             "vehicle": self.judge.flight.vehicle.name,
@@ -339,7 +341,7 @@ class Availability(Tabled):
         Fractions are by azimuth. The limit sufficient for a fraction of the soundings is that of
         `placard`, of all azimuths in one row.
         """
-        parts = self._rows(self.fraction())
+        parts = self._as_tuple(self.fraction())
         rows: list[tuple[str, Any, str]] = [("limit", text(degrees("", self.limit)), "deg")]
         azimuths = np.degrees(np.atleast_1d(self.azimuth)).tolist()
         rows += [
@@ -361,7 +363,7 @@ class Availability(Tabled):
         """Whether any judged sounding requires deflection."""
         return bool(np.nanmax(self.upper, initial=0.0) > 0.0)
 
-    def _rows(self, value: Any) -> tuple[Any, ...]:
+    def _as_tuple(self, value: Any) -> tuple[Any, ...]:
         """Return values by azimuth as a tuple, of length one for a single azimuth."""
         return (value,) if np.ndim(self.azimuth) == 0 else value
 
@@ -385,14 +387,14 @@ class Availability(Tabled):
         season = (12 * self.soundings.years + self.soundings.months)[which]  # each month by itself
         flown = np.nan_to_num(self._flies(limit), nan=unknown)
         rows = zip(np.atleast_2d(flown), np.atleast_2d(self.lower), strict=True)
-        return self._plain(
+        return self._by_azimuth(
             [
                 survival_fraction(flies[which], required[which], times, season, self.confidence)
                 for flies, required in rows
             ]
         )
 
-    def _plain(self, values: list[Any]) -> Any:
+    def _by_azimuth(self, values: list[Any]) -> Any:
         """Return values by azimuth as a tuple, or the value of a single azimuth."""
         return values[0] if np.ndim(self.azimuth) == 0 else tuple(values)
 

@@ -352,7 +352,7 @@ def _stop_end(loop: Loop, regime: Regime, sign: float) -> End:
 
     `loop`: gives the limit [rad], and the deflection as the state after the `order` states of the
     vehicle. `regime`: active limits; `stop` is not zero where the deflection is at its limit.
-    `sign`: sign of the deflection.
+    `sign`: sign of the deflection. The limit is also the scale, `size`, of the event function.
     """
     limit, order = loop.limit, loop.order
     if regime.stop:

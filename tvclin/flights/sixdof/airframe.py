@@ -154,7 +154,8 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
     def lateral() -> tuple[float, float]:
         """Return the speed over the ground [m/s], and the force up or right per mass [m/s^2].
 
-        `metres_along_axis`: from lbf per slug, with the sign of the axis.
+        `ground_speed` is in ft/s. `metres_along_axis` converts `force` [lbf] over `mass` [slug],
+        and has the sign of JSBSim's axis to that of up or right.
         """
         return FOOT * ground_speed(), metres_along_axis * force() / mass()
 
