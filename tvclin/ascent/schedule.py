@@ -190,8 +190,9 @@ class FlightSchedule(Shown):
         """Return the plants at any times [s], a batch of their shape.
 
         `model`: name of the model, such as "drift-exact". `plane`: pitch or yaw. B, the ratio of
-        trim deflection to angle of attack, is at least `_MIN_B` in size: where the air has a
-        smaller moment, its arm is made longer, and a normal force of nearly zero larger.
+        trim deflection to angle of attack, is at least `_MIN_B` in size, as the path requires 1/B:
+        where the air has a smaller moment, its arm is made longer, and a normal force of nearly
+        zero larger.
         """
         v = self.clamped_at(time, rigid=True)
         # B = N l_a/(T l_c): normal force slope and aerodynamic arm, control force and control arm

@@ -481,17 +481,18 @@ class Cluster(LimitShape):
     def support(self, direction: ArrayLike) -> FloatArray:
         """Return the support of the mean deflection along each `direction`, a complex vector.
 
-        It is the support of the moving engines (`_sum`) plus the scalar product with the mean
+        It is the support of the moving engines, sum s_j h_j(d) over engines j of the thrust share
+        s_j and the support h_j of their limit shape, plus the scalar product with the mean
         deflection of the stuck ones. Where the engines must keep the roll moment zero, it is the
-        minimum over the multiplier rho of this condition.
+        minimum over the multiplier rho of this condition, with h_j(d + rho a_j), a_j being the arm.
         """
         d = vectors("direction", direction)
-        bias, roll = self._stuck
+        bias, roll = self._stuck  # mean deflection and roll moment of the stuck engines
         free = self._sum(d, np.zeros(d.shape))
         # largest roll moments of both signs, of all engines; zero where roll is free
         sides = self._rolls(1.0) + roll, self._rolls(-1.0) - roll
         if min(sides) > 0.0:
-            # sum s_j h_j(j rho r_j) <= sum s_j h_j(d + j rho r_j) + sum s_j h_j(-d) bounds rho
+            # sum s_j h_j(rho a_j) <= sum s_j h_j(d + rho a_j) + sum s_j h_j(-d) bounds rho
             ends = free + self._sum(-d, np.zeros(d.shape))
             column = d[..., np.newaxis]
             _, free = grid_minimum(

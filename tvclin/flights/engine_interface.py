@@ -199,7 +199,7 @@ def verdict_of(
 
         A law must not fall to either side; the report's control only with the wind of that `peak`.
         """
-        rate = late_rate(limit)
+        rate = late_rate(limit)  # of the attitude [rad/s], at the time of the verdict
         rate_with_wind = -rate if peak > 0.0 else rate
         return not has_fallen(abs(rate) if is_law else rate_with_wind, peak, pole)
 

@@ -113,7 +113,8 @@ def equation_table(s: Study) -> Table:
 def glossary_table(words: str) -> Table:
     """Return the symbols and terms that occur in a text `words`, each with its meaning.
 
-    A symbol occurs as a word of its own, a term as the beginning of a word, small or large.
+    A symbol, or the first of two ("b1, b2"), occurs as a word of its own; a term as the beginning
+    of a word, small or large.
     """
     used: list[tuple[Line, ...]] = [
         (_symbols(name), (as_sentence(meaning),))

@@ -342,8 +342,9 @@ class Equations:
 def has_quick_path(plant: Plant) -> BoolArray:
     """Return whether the flight path of plants is about as fast as the attitude, ``(...)``.
 
-    It is where b1 = N/(m V) [1/s], the rate at which the normal force turns the path, is negative
-    or comparable with the fastest unstable pole, or a second unstable pole is comparable with it.
+    It is where b1 [1/s], the turn rate of the path per angle that the deflection trims (gamma' = b1
+    delta/B), is negative or comparable with the fastest unstable pole, or a second unstable pole is
+    comparable with it.
     """
     poles = unstable_poles(plant)
     if plant.model == "fixed-path" or not poles.shape[-1]:

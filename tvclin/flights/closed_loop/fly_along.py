@@ -450,9 +450,9 @@ def with_outputs(
 
     `along`: the flight, with its autopilot and wind. `times`: flight times [s]. `rows`: states of
     the plant and deflection [rad], ``(n, m + 1)``. `rates`: deflection rates [rad/s]. `status`:
-    status of the flight. `slopes`: see `sampled_outputs`. Outputs are C x + D u of the plants, x
-    being the states, u deflection and wind; after the end of the schedule numbers of the vehicle
-    are those of the end.
+    status of the flight. `slopes`: bending moments [N m/rad] per angle, alpha_moment and
+    deflection_moment, at the times of the schedule; empty for none. Outputs are C x + D u, u being
+    deflection and wind; after the end of the schedule numbers of the vehicle are those of the end.
     """
     # times within the flight of this wind, and below within the schedule of the vehicle
     flight, inside = along.flight, np.clip(times, along.start, along.stop)

@@ -181,9 +181,9 @@ class Stages:
         `batch`: result of `Stages.batch`. `track`: whether the samples of a single flight are
         recorded. The kernel steps from sample to sample with the matrices of each.
         """
-        steps, (knots, pieces) = self.steps, self._pieces
-        # `order` states of vehicle and nozzle; N in `Steps`
-        order, memory, cases = steps.joint.shape[2], self._memory, self._cases(batch)
+        steps, (knots, pieces) = self.steps, self._pieces  # breakpoints and polynomials of winds
+        order = steps.joint.shape[2]  # number of states of vehicle and nozzle
+        memory, cases = self._memory, self._cases(batch)
         now = equilibrium(
             m=cases.limit.size,
             n=self.vehicles.A.shape[1],
@@ -204,7 +204,7 @@ class Stages:
             laws=Laws(self._law_rows, *memory, no_noise),
             cases=cases,
             now=now,
-            track=np.full((rows, order + 4), np.nan),
+            track=np.full((rows, order + 4), np.nan),  # states, command, deflection, limited, begin
         )
 
     @cached_property

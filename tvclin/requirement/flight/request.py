@@ -432,7 +432,8 @@ class SizingRequest:
     ) -> Sizing:
         """Return the sizing at flight times [s], pulses in their possible directions.
 
-        `progress`: called with the numbers of finished and of all requirements.
+        Gaps of the soundings are in words in its `gaps`. `progress`: called with the numbers of
+        finished and of all requirements.
         """
         result = size(
             self.schedule,
