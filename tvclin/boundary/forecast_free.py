@@ -127,16 +127,15 @@ def unstable_coordinates(plant: Plant) -> UnstableCoordinates:
 
 
 def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatArray:
-    """Return the rows of an unstable coordinate on states, delta and delta', ``(p, n + 2)``.
+    """Return the rows of z, a mode's coordinate, on states x, delta and delta', ``(p, n + 2)``.
 
-    `plant`: of a batch of p, or one plant, with n states. `pole`: an unstable pole of each [1/s],
-    ``(p,)``. `B`: trim deflection per angle of attack, ``(p,)`` or a scalar. With the left
-    eigenvector l, l A = p l, and z = l x: z' = p z + l b delta + l w alpha_w + l b3 delta'', where
-    b3 is the input of an engine with inertia. The coordinate that follows the deflection alone is
+    `plant`: a batch of p plants, or one, with n states. `pole`: an unstable pole s [1/s] of each,
+    ``(p,)``. `B`: trim deflection per angle of attack, ``(p,)`` or a scalar. z is scaled such that
+    z' = s (z - delta/B - k alpha_w). With the left eigenvector l, l A = s l, it is proportional to
 
-        z - l b3 (delta' + p delta),    with the input l b + p^2 l b3,
+        l x - l b3 (delta' + s delta),    on which delta acts with l b + s^2 l b3,
 
-    scaled such that this input is -p/B, and k = -(l w)/p.
+    b and b3 being the columns of the deflection and, of an engine with inertia, of delta''.
     """
     A, inputs, _, _ = plant.matrices()
     n, count = A.shape[-1], inputs.shape[-1]
@@ -144,11 +143,11 @@ def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatAr
     _, eigenvector = left_eigenvector(A, pole)
     row = np.real(eigenvector)  # l
     inputs = np.broadcast_to(inputs.reshape(-1, n, count), (pole.size, n, count))
-    gains = np.einsum("mi,mij->mj", row, inputs)  # l times the input of deflection, wind, engine
-    inertia = gains[:, len(INPUTS) :].sum(axis=1)
-    rows = np.column_stack([row, -pole * inertia, -inertia])
+    gains = np.einsum("mi,mij->mj", row, inputs)  # l b, l w of the wind, and l b3 if there is one
+    engine_gain = gains[:, len(INPUTS) :].sum(axis=1)  # l b3; zero without inertia
+    rows = np.column_stack([row, -pole * engine_gain, -engine_gain])
     with np.errstate(divide="ignore", invalid="ignore"):  # a plant without moments
-        return rows * (-pole / B / (gains[:, 0] + pole**2 * inertia))[:, np.newaxis]
+        return rows * (-pole / B / (gains[:, 0] + pole**2 * engine_gain))[:, np.newaxis]
 
 
 @dataclass(frozen=True)

@@ -404,7 +404,7 @@ def _laws(case: StudyPlan, plant: Plant, peak: float) -> dict[str, Law]:
 
 
 def _winds(options: WindOptions, case: StudyPlan) -> tuple[float, float, dict[str, History]]:
-    """Return peak [rad] and duration [s] for which laws are designed, and the winds by name.
+    """Return peak [rad] and duration [s] for which laws are designed, and the winds to fly by name.
 
     `options`: options of the wind, which name the shape of a single wind. `case`: case with it. A
     sounding, or a pulse of a given shape, is the only wind; else the standard winds of its peak and

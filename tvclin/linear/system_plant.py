@@ -364,7 +364,7 @@ class SystemPlant(Plant):
 
     @property
     def modal(self) -> ModalSystem:
-        """Sum of modes of the plant, without the direct terms; invalid where poles are repeated.
+        """The plant as a sum of modes, without its direct terms D; invalid for repeated poles.
 
         `InputError` for a plant with the inertia of its engine.
         """
@@ -374,7 +374,7 @@ class SystemPlant(Plant):
                 " deflection_acceleration out of the plant"
             )
         gains, outputs = self._modal_matrices  # of each input in a mode, of a mode in each output
-        # without the wind, which is a direct term of the angle of attack
+        # the wind in the angle of attack is a direct term too: it is not subtracted here
         return ModalSystem(self.poles, gains, outputs, less_wind=False)
 
     @property

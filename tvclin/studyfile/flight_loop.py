@@ -101,8 +101,8 @@ class FlightLoop:
     def times(self) -> FloatArray:
         """Flight times of the sweep [s], even ones and the last, ``(n,)``."""
         request, (first, last) = self.request, self.flight.span
-        low = number("size.from_s", _or(request.start, first), between(first, last), "s")
-        high = number("size.to_s", _or(request.stop, last), between(low, last), "s")
+        low = number("size.from_s", _or_default(request.start, first), between(first, last), "s")
+        high = number("size.to_s", _or_default(request.stop, last), between(low, last), "s")
         return even_times(low, high, self.request.every)
 
     @cached_property
@@ -383,13 +383,15 @@ class FlightLoop:
     def _omitted(self, case: _Wind) -> str:
         """Return why survival in a wind is not known throughout, in words; empty if it is.
 
-        The flight of the sizing may go beyond a sounding, and cross its gaps; a pulse is known.
+        A flight may go beyond a sounding, or cross its gaps, between the first and the last time of
+        the sizing, by default of the flight. A pulse is known.
         """
         if not isinstance(case.wind, MeasuredWind | MeasuredPlanes):
             return ""
         first, last = self.flight.span
-        ends = _or(self.request.start, first), _or(self.request.stop, last)
-        unknown = unknown_between(case.wind, *ends)
+        unknown = unknown_between(
+            case.wind, _or_default(self.request.start, first), _or_default(self.request.stop, last)
+        )
         return f"{unknown} (--set size.from_s, size.to_s)" if unknown else ""
 
 
@@ -408,9 +410,9 @@ def within_linear_range(flown: FlightAlong) -> FlightAlong:
     return replace(flown, times=flown.times[:end], outputs=outputs)
 
 
-def _or(value: float | None, otherwise: float) -> float:
-    """Return `value`, or `otherwise` where it is None."""
-    return otherwise if value is None else value
+def _or_default(value: float | None, default: float) -> float:
+    """Return `value`, or `default` where it is None."""
+    return default if value is None else value
 
 
 class _Wind(NamedTuple):

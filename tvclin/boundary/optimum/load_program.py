@@ -358,34 +358,36 @@ class LoadProgram:
         return (weighted_load - used) / norm, float(np.abs(weights).sum()) / norm
 
     def _finer(self, ends: FloatArray, inside: FloatArray, bound: float) -> FloatArray:
-        """Return the nodes [s], with additional ones where a limit begins or ceases to bind.
+        """Return the nodes [s], with further ones in cells next to which a limit begins to bind.
 
-        `ends`: deflection at start and end of each of n cells, minus the reference [rad],
-        ``(2, n)``. `inside`: load at q times in each cell [rad], ``(n, q)``. `bound`: its bound
-        [rad].
+        Cells beside a node at which a limit begins or ceases to bind, or with much load beyond its
+        bound, are split. `ends`: deflection [rad] at start and end of each of n cells, ``(2, n)``.
+        `inside`: load at q times in each cell [rad], ``(n, q)``. `bound`: its bound [rad].
         """
         peak, rate, largest = np.abs(ends).max(), self.case.rate, np.abs(inside).max(axis=1)
-        # sign of the limit that binds in each cell: peak at both its ends, load, and rate
-        marks = [
+        # sign of the limit that binds in each cell, else 0: peak at both its ends, load, and rate
+        binding = [
             np.where(np.abs(end) > peak * (1.0 - _ACTIVE_DISTANCE), np.sign(end), 0.0)
             for end in ends
         ]
-        marks.append(np.where(largest > bound * (1.0 - _ACTIVE_DISTANCE), 1.0, 0.0))
+        binding.append(np.where(largest > bound * (1.0 - _ACTIVE_DISTANCE), 1.0, 0.0))
         slope = (ends[1] - ends[0]) / self.widths
-        marks.append(np.where(np.abs(slope) > rate * (1.0 - _ACTIVE_DISTANCE), np.sign(slope), 0.0))
-        new = np.any(np.diff(np.stack(marks), axis=1) != 0.0, axis=0)  # at each inner node
+        at_rate = np.abs(slope) > rate * (1.0 - _ACTIVE_DISTANCE)
+        binding.append(np.where(at_rate, np.sign(slope), 0.0))
+        changes = np.any(np.diff(np.stack(binding), axis=1) != 0.0, axis=0)  # at each inner node
         excess = largest - bound
-        loose = np.append(new, False) | np.append(False, new)
-        loose |= excess > max(_SPLIT_EXCESS_FRACTION * excess.max(), _ACTIVE_DISTANCE * bound)
-        start, width, (first, last) = self.nodes[:-1][loose], self.widths[loose], ends[:, loose]
-        # a switch from peak to -peak at this fraction of the cell has the mean `first`
-        level = 0.5 * (1.0 + first / (peak or 1.0))
-        parts = [np.full(width.size, k / _CELL_DIVISIONS) for k in range(1, _CELL_DIVISIONS)]
-        parts += [level, 1.0 - level]
-        for level_limit in (peak, -peak):  # where a line of full rate through an end meets the peak
-            parts.append(np.clip(np.abs(level_limit - first) / (rate * width), 0.0, 1.0))
-            parts.append(np.clip(1.0 - np.abs(level_limit - last) / (rate * width), 0.0, 1.0))
-        new_nodes = np.concatenate([self.nodes, *(start + width * x for x in parts)])
+        split = np.append(changes, False) | np.append(False, changes)
+        split |= excess > max(_SPLIT_EXCESS_FRACTION * excess.max(), _ACTIVE_DISTANCE * bound)
+        start, width, (first, last) = self.nodes[:-1][split], self.widths[split], ends[:, split]
+        fractions = [np.full(width.size, k / _CELL_DIVISIONS) for k in range(1, _CELL_DIVISIONS)]
+        # a cell of the constant deflection `first` has its mean by a switch from peak to -peak, or
+        # back, at this fraction
+        switch = 0.5 * (1.0 + first / (peak or 1.0))
+        fractions += [switch, 1.0 - switch]
+        for level in (peak, -peak):  # where a line of full rate through an end comes to the peak
+            fractions.append(np.clip(np.abs(level - first) / (rate * width), 0.0, 1.0))
+            fractions.append(np.clip(1.0 - np.abs(level - last) / (rate * width), 0.0, 1.0))
+        new_nodes = np.concatenate([self.nodes, *(start + width * x for x in fractions)])
         return separate_nodes(new_nodes, 1e-6 / self.case.fastest)
 
 

@@ -120,12 +120,10 @@ class RecoverableAttitudeLaw(Law):
 
     @cached_property
     def numbers(self) -> LawNumbers:
-        """Parameters for compiled flights: factors of both coordinates, and limits of the lean.
+        """Parameters of the law for compiled flights, see the class.
 
         The coordinates [rad] of the fast and, with drift, of the slow unstable mode are sums of
-        attitude, its rate and flight path angle, with the factors of a left eigenvector. The lean
-        is the attitude into the wind that the law follows, at most the fraction `reach` of the
-        recoverable set, and what the design peak requires less the fraction `trust` of the limit.
+        attitude, its rate and flight path angle, with the factors of a left eigenvector.
         """
         modes = measured_coordinates(self.plant)
         # A row of two on a fixed path has a zero for the flight path angle.
@@ -142,7 +140,7 @@ class RecoverableAttitudeLaw(Law):
             slow_rate=slow_rate,
             slow_path=slow_path,
             ratio=modes.ratio,
-            # k = K1 of the fast mode, z' = s (z - u - k w): u is deflection/B, w the wind angle
+            # k of the fast mode, z' = s (z - u - k w): u is deflection/B, w the wind angle
             wind=float(modes.wind[0]),
             B=float(self.plant.coefficients.B),
             reach=self.reach,
@@ -150,7 +148,7 @@ class RecoverableAttitudeLaw(Law):
             peak=np.inf if self.design_peak is None else self.design_peak,
             trust=self.trust,
             dead_band=self.dead_band,
-            # reach times the rate limit over B and the fast pole [rad]
+            # reach times the change of u [rad] at full rate in a time constant of the fast mode
             rate_travel=self.reach * rate_limit_angle(self.plant, self.rate_limit),
             estimates=self.estimator is not None,
         )

@@ -128,8 +128,9 @@ class Judge:
         `plane`: pitch, yaw or both. `model`: name of the linear model. `azimuths`: directions of
         flight [rad], ``(a,)``. `growth`: growth of winds until launch. `gust`, `gust_speed`: gust
         by its angle [rad], and wind speed [m/s] at its peak in place of the angle. `pressure`:
-        whether the dynamic pressure encountered counts, or the nominal. `options`: `limit_shape`
-        and `known_to`. Same exceptions as `FlightMode` and `FlightPath`.
+        whether the dynamic pressure encountered counts, or the nominal. `options`: the fields
+        `limit_shape`, "round" or "square", and `known_to`, height [m] to which soundings must go,
+        or None. Same exceptions as `FlightMode` and `FlightPath`.
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight, pressure)
         return cls(

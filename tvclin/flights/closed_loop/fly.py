@@ -232,7 +232,10 @@ class LinearEquations:
 
     @property
     def scales(self) -> FloatArray:
-        """Scales of the states, ``(n,)``: 1 for the vehicle, the largest rate for a sensor."""
+        """Magnitude of each state that corresponds to an angle of one, ``(n,)``.
+
+        One for states of the vehicle; for that of a sensor the largest entry [1/s] of its row of A.
+        """
         scales = np.ones(len(self.states))
         sensors = slice(len(self.plant.states), None)
         scales[sensors] = np.abs(self._system.A[sensors]).max(axis=-1, initial=1.0)

@@ -468,37 +468,33 @@ class Stages:
 
     @cached_property
     def _criteria(self) -> dict[str, FloatArray]:
-        """Outcome criteria of all samples: judges, reach and ratio as in `Vehicles`, by name.
+        """Criteria of loss and survival at all samples, by their names in `Vehicles`.
 
-        They are rows of the unstable coordinates, the largest of these that the limit recovers over
-        it, and the ratio of the poles. At samples at which no flight is judged they are NaN: it is
-        judged every `JUDGED_SAMPLES` samples after its wind, or in its last seconds.
+        "judges": rows that give the unstable coordinates of the loop's states. "reach": 1/|B|, the
+        largest coordinate that a unit limit recovers. "ratio": the slower unstable pole over the
+        fastest, or zero. They are NaN at samples at which no flight is judged: each is judged every
+        `JUDGED_SAMPLES` samples after its wind, or in its last seconds.
         """
-        judged = np.zeros(self.times.size, bool)
-        for wind, end in enumerate(self._judged[0]):
-            flight = self.flight_of_wind[wind]
-            last = self.first[flight] + self.samples[flight]
-            judged[self.first[flight] + end + JUDGED_SAMPLES : last + 1 : JUDGED_SAMPLES] = True
-        rows, width = np.flatnonzero(judged), self.steps.joint.shape[2]
+        is_judged = np.zeros(self.times.size, bool)
+        after, _ = self._judged  # sample of its flight after which each wind is judged
+        for flight, sample in zip(self.flight_of_wind, after, strict=True):
+            start, last = self.first[flight], self.first[flight] + self.samples[flight]
+            is_judged[start + sample + JUDGED_SAMPLES : last + 1 : JUDGED_SAMPLES] = True
+        judged, width = np.flatnonzero(is_judged), self.steps.joint.shape[2]
 
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
-            """Return the criteria of loss and survival at times [s], by name.
-
-            "judges": rows that read the unstable coordinates from the states of the loop. "reach":
-            1/|B|, the largest coordinate that a unit limit recovers. "ratio": the slower unstable
-            pole over the fastest, or zero. `index`: samples at those times, as indices in `rows`,
-            the samples at which flights are judged.
-            """
-            criteria = outcome_criteria(self.plants_at(times, self.flight[rows[index]]))
+            """Return the criteria at times [s], by name; `index`: of their samples in `judged`."""
+            criteria = outcome_criteria(self.plants_at(times, self.flight[judged[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))
             return {"judges": judges, "reach": criteria.reach, "ratio": criteria.ratio}
 
-        interval = self._interval(self.breaks, crossing=True)[rows]
+        # the criteria are smooth functions of time within each interval between breakpoints
+        interval = self._interval(self.breaks, crossing=True)[judged]
         arrays = {}
-        for name, values in smooth_values(at, self.times[rows], interval).items():
-            arrays[name] = self.storage.empty(name, (judged.size, *values.shape[1:]))
+        for name, values in smooth_values(at, self.times[judged], interval).items():
+            arrays[name] = self.storage.empty(name, (is_judged.size, *values.shape[1:]))
             arrays[name].fill(np.nan)
-            arrays[name][rows] = values
+            arrays[name][judged] = values
         return arrays
 
     @cached_property

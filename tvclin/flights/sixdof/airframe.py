@@ -238,8 +238,9 @@ class Prediction:
         """
         self._readers, self._step = readers, step
         self._lateral = LateralMotion(sensors, step) if sensors.signals else None
-        if self._lateral is not None:  # the first move, without forces, gives it the speed
-            self._lateral.move(0.0, readers.lateral()[0], 0.0, 0.0)
+        if self._lateral is not None:  # at the start: its speed, and no drift or force
+            speed, *_ = readers.lateral()
+            self._lateral.move(0.0, speed, 0.0, 0.0)
         self._attitude, self._path = readers.angles()
         self._rate, self._acceleration = readers.rates()
         self._path_before, self._acceleration_before = (
@@ -402,14 +403,14 @@ class Airframe:
         return np.array(rows)[..., : len(OUTPUTS)]
 
     def _nominal_rows(self, count: int, trajectory: FloatArray | None) -> Iterator[Row]:
-        """Return an iterator over the outputs of the nominal flight, step by step.
+        """Return an iterator over the outputs of the nominal flight, a `Row` for each step.
 
-        Without an attitude hold (`_gains`) it is straight. Else it is flown with that hold, about
-        the trajectory, and its rows are kept for further flights. `count`: number of the steps.
-        `trajectory`: `OUTPUTS` of the nominal flight in pitch, ``(count, 5)``; without it the
-        nominal flight is straight. `InputError` where it ends before.
+        Without an attitude hold (`_gains`) it is straight. Else it is flown in still air with that
+        hold, about a reference, and its rows are kept for further flights. The reference is
+        `trajectory` in pitch, `OUTPUTS` ``(count, 5)``, and else straight. `count`: number of the
+        steps. `InputError` where the flight ends before.
         """
-        start = _straight_row(*self._restart())
+        start = _straight_row(*self._restart())  # attitude and flight path angle at the start
         if self._gains is None:
             return repeat(start)
         if len(self._nominal) < count:
@@ -418,8 +419,8 @@ class Airframe:
             if trajectory is not None and self._plane == "pitch":
                 reference[:, : len(OUTPUTS)] = trajectory
             rows = _plain_rows(reference)
-            # in still air: deviations from the reference, which the hold keeps small
-            flown = self._deviation_rows(
+            # deviations from the reference, which the hold keeps small
+            deviations = self._deviation_rows(
                 steering=lambda k, measured: (
                     on_lean * (measured.attitude - measured.flight_path_angle)
                     + on_rate * measured.attitude_rate
@@ -428,9 +429,9 @@ class Airframe:
                 angles=zeros,
                 nominal=rows,
                 trajectory=trajectory,
-                sensors=_ACCELEROMETER,
+                sensors=_ACCELEROMETER,  # a `Row` has the force and the angular acceleration
             )
-            self._nominal = list(_plain_rows(flown + reference[: len(flown)]))
+            self._nominal = list(_plain_rows(deviations + reference[: len(deviations)]))
         if len(self._nominal) < count:
             raise InputError(
                 "timepts must end before the nominal flight has turned by 25 deg, after"

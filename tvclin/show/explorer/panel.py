@@ -373,11 +373,8 @@ class Panel:
             self._timer = loop.call_later(_EVENT_TIME, self._next, choices, steps + 1)
 
     def _next(self, choices: Choices, steps: int) -> None:
-        """Compute a number of steps of the answer to choices, and show it.
-
-        The last one may be slow: computed here, it leaves `_complete` its time for further steps.
-        """
-        answer(choices, steps)
+        """Compute some steps of the answer to choices, the last perhaps slow, then continue."""
+        answer(choices, steps)  # cached, so that the slow step takes no time of `_complete`
         self._complete(choices, steps)
 
     def _draw(self, result: Answer) -> None:
