@@ -318,7 +318,8 @@ class LoadLimits:
         """Minimum load |alpha + M delta| [rad] of any control, as computed, and its lower bound.
 
         Each of five programs has finer nodes in time. By duality it proves that every control has
-        peak >= bound - slope load: no peak is above `_MAX_DEFLECTION`, which bounds the load.
+        peak >= bound - slope load: no peak is above `_MAX_DEFLECTION`, which bounds the load. Loads
+        and peaks are added to `points` of the trade-off, bounds and slopes to `lines` below it.
         """
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf

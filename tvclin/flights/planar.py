@@ -215,7 +215,7 @@ class PlanarMotion:
         if self.plane == "pitch":
             across = across - weight * np.cos(now.path + gamma)
             along = along - weight * np.sin(now.path + gamma)
-        else:
+        else:  # in yaw the weight has only its component against the nominal path
             across = across + weight * np.sin(now.path) * np.sin(gamma)
             along = along - weight * np.sin(now.path) * np.cos(gamma)
         return across / (now.mass * speed), along / now.mass

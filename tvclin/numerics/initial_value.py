@@ -48,7 +48,8 @@ class InitialValueSolution:
     def __call__(self, t: Any) -> FloatArray:
         """Return x ``(k,)`` at a time `t` [s], or ``(k, m)`` at times ``(m,)``.
 
-        A time outside the span of the solution counts as the nearer end of it.
+        `ends` separate the intervals, `values` are x at the Chebyshev points of each, between which
+        it is interpolated. A time outside the span counts as the nearer end of it.
         """
         times, rising = np.atleast_1d(t), np.sign(self.ends[-1] - self.ends[0])
         index = np.searchsorted(rising * self.ends[1:-1], rising * times)

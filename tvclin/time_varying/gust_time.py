@@ -73,9 +73,10 @@ def encountered_requirements_by_time(
     equations = Equations.frozen(vehicle.rigid, model, plane)
 
     def required(times: FloatArray) -> FloatArray:
-        """Return the required deflections [rad] with the middle of the gust at times [s].
+        """Return the required deflections [rad] with the middle of the gust at times [s], ``(n,)``.
 
-        `InputError` where a wind turns the path further than linear aerodynamics reach.
+        They are the largest of the `directions`, computed in longer steps (`_PARTS`), without
+        flights. `InputError` where a wind turns the path further than linear aerodynamics reach.
         """
         by_direction = []
         for direction in directions:

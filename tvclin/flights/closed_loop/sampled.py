@@ -316,14 +316,16 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
     nozzle, whose first `n` states are the plant's. The states without limits and wind follow from
     the start of each substep by matrices for each of the `distinct` times since it.
     """
-    N, order = f.now.y.shape[1], len(system.states)
+    N = f.now.y.shape[1]  # columns of the state in a row; the deflection is column n
     limit, track = float(f.cases.limit[0]), _recorded_rows(f)
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
     distinct, which = np.unique(np.round(u, _TIME_DECIMALS), return_inverse=True)
     y, (command, last, bounded) = track[row, :N], track[row, N:-1].T
-    lengths = np.diff(begins, append=f.cases.start[0] + f.steps.lengths[0, 0] * f.now.ended[0])[row]
+    # the last row ends with the last of the samples, whose number is `ended`
+    end = f.cases.start[0] + f.steps.lengths[0, 0] * f.now.ended[0]
+    lengths = np.diff(begins, append=end)[row]
     first = np.clip(y[:, n], -limit, limit)
     at = _Substeps(
         onset=float(begins[0]),
@@ -341,7 +343,8 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
     )
     steps = system.select(INPUTS[:1], ()).to_steps(at.distinct)
     unlimited = at.stepped(
-        np.concatenate([steps.A, steps.B], axis=2), np.column_stack([y[:, :order], command])
+        np.concatenate([steps.A, steps.B], axis=2),
+        np.column_stack([y[:, : len(system.states)], command]),
     )
     return at._replace(unlimited=unlimited)
 

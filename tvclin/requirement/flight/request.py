@@ -336,11 +336,8 @@ class SizingRequest:
         if sign == FROZEN:
             return base
         directions = DIRECTIONS if sign is None else (sign, CROSS)
-        available = [
-            requirement
-            for requirement in (replace(base, direction=x) for x in directions)
-            if requirement in worst
-        ]
+        by_direction = (replace(base, direction=direction) for direction in directions)
+        available = [requirement for requirement in by_direction if requirement in worst]
         return max(available, key=lambda requirement: worst[requirement].deflection, default=base)
 
     def pulses(self, case: Case) -> tuple[ShapedWind, ...]:
@@ -425,10 +422,7 @@ class SizingRequest:
         return self._sizing_at(case, self.times(case), progress)
 
     def _sizing_at(
-        self,
-        case: Case,
-        times: FloatArray,
-        progress: Callable[[int, int], None] | None = None,
+        self, case: Case, times: FloatArray, progress: Callable[[int, int], None] | None = None
     ) -> Sizing:
         """Return the sizing at flight times [s], pulses in their possible directions.
 
@@ -522,10 +516,7 @@ class SizingRequest:
         return max(widest, default=None)
 
     def total(
-        self,
-        case: Case,
-        sizing: Sizing,
-        turbulence: FlightTurbulence | str | None = None,
+        self, case: Case, sizing: Sizing, turbulence: FlightTurbulence | str | None = None
     ) -> DeflectionTotal:
         """Return the largest total over the flight; same exceptions as `worst_total`.
 
