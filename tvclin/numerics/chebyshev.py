@@ -182,12 +182,13 @@ class Surface:
         return None
 
     def factors(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
-        """Return the factors from the rows of `table` to values at m points, ``(m, 2 points)``.
+        """Return the matrix from rows of `table` to values at m points, ``(m, 2 points)``.
 
-        `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each. The first half of the rows are
-        differences at the Chebyshev points of x and y, the second slopes by z, with z as a factor.
+        `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each. The values are relative to
+        `first`. The first half of the rows of `table` are values at the Chebyshev points of x and
+        y, the second half slopes by z there.
         """
-        of_x = _factors(self.degree, _angles(x, *self.x))
+        of_x = _factors(self.degree, _angles(x, *self.x))  # of the points of x
         of_y = _factors(_Y_DEGREE, _angles(y, *self.y))
         factors = (of_x[:, :, np.newaxis] * of_y[:, np.newaxis]).reshape(len(x), -1)
         return np.concatenate([factors, z[:, np.newaxis] * factors], axis=1)

@@ -277,21 +277,21 @@ class LoadWeights:
         price of the mode at the first node. Of the k columns only unstable modes are used.
         """
         start, end = self.density_ends  # weight per time [1/s]; the end is near the node reached
-        return self._discounted(self.prices, end, start, self.node_weights[1:], self.widths)
+        return self._decayed_weights(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property
     def _after(self) -> ComplexArray:
         """Weights of the load from each node on, decayed to the node, by mode ``(n + 1, k)``.
 
         Stable modes use them. Each is the share of the mode times the weights of cells (their
-        `density_ends`) and of nodes. `_discounted` goes forward in time, so that nodes and cells
-        are given in reversed order, and the result is reversed again.
+        `density_ends`) and of nodes. `_decayed_weights` goes forward in time, so that nodes and
+        cells are given in reversed order, and the result is reversed again.
         """
         (start, end), nodes = self.density_ends[:, ::-1], self.node_weights[::-1]
         first = self.case.shares * nodes[0]
-        return self._discounted(first, start, end, nodes[1:], self.widths[::-1])[::-1]
+        return self._decayed_weights(first, start, end, nodes[1:], self.widths[::-1])[::-1]
 
-    def _discounted(
+    def _decayed_weights(
         self,
         first: ComplexArray,
         near_ends: FloatArray,
@@ -299,22 +299,20 @@ class LoadWeights:
         nodes: FloatArray,
         widths: FloatArray,
     ) -> ComplexArray:
-        """Return by mode the weights w of the load passed so far, decayed to successive nodes.
+        """Return w of k modes at n + 1 nodes in the order of a march, ``(n + 1, k)``.
 
-        Shape ``(n + 1, k)``; a deflection at a node changes that load. From a node to the next it
-        is w <- decay w + c (weights of the cell and of the next node), c being the share of the
-        mode in the load. `first`: at the first node, ``(k,)``. `near_ends`, `far_ends`: density
-        [1/s] at the end of each cell near the node that is reached, and at the other. `nodes`:
-        weights of those nodes. `widths`: of the cells [s], ``(n,)``.
+        A march over a cell of width h to the next node is w <- e^(-rate h) w + c (W + node weight),
+        with the mode's coefficient c in the load and W, the weights within the cell, decayed to
+        that node. `first`: w at the first node, ``(k,)``. `near_ends`, `far_ends`: weight density
+        [1/s] at the end of each cell that is this next node, and at the other, ``(n,)``. `nodes`:
+        weights of the next nodes, ``(n,)``. `widths`: of the cells [s], ``(n,)``.
         """
-        decay, start_weights, end_weights = convolution_weights(
-            self.case.rates, widths[:, np.newaxis]
-        )
-        added = start_weights * near_ends[:, np.newaxis] + end_weights * far_ends[:, np.newaxis]
+        decay, near, far = convolution_weights(self.case.rates, widths[:, np.newaxis])
+        of_cells = near * near_ends[:, np.newaxis] + far * far_ends[:, np.newaxis]
         weights = np.zeros((widths.size + 1, first.size), dtype=complex)
         weights[0] = first
         for k in range(widths.size):
-            weights[k + 1] = decay[k] * weights[k] + self.case.shares * (added[k] + nodes[k])
+            weights[k + 1] = decay[k] * weights[k] + self.case.shares * (of_cells[k] + nodes[k])
         return weights
 
     def _density(self, x: FloatArray) -> FloatArray:

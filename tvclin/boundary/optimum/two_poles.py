@@ -138,12 +138,12 @@ def longest_single_pole_duration(
     b1, b2, K, latest = (np.broadcast_to(a, shape).ravel() for a in (b1, b2, K, latest))
 
     def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
-        """Return sqrt(y) - 1 for durations `tau` [s] of the vehicles with indices `k`.
+        """Return sqrt(y) - 1 by eq (C8) for durations `tau` [s] of the vehicles with indices `k`.
 
-        `b1`, `b2`: their unstable poles beta1, beta2 [1/s]. `K`: K1 of the first over the second.
+        y is the peak that the slow pole requires over that of the fast one.
         """
         quotient = np.expm1(-tau * b1[k] / 2.0) / np.expm1(-tau * b2[k] / 2.0)
-        return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)
+        return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)  # K: K1_1/K1_2
 
     duration = roots_between(latest * 1e-12, latest * (1.0 + 1e-9), excess).reshape(shape)
     return plain(np.where(np.broadcast_to(reached, shape), duration, np.nan))

@@ -128,12 +128,12 @@ class FlightMode:
 
         p, of m states, and R are those of `at`, R the integral of p.b from t on, b being the
         deflection's column; the absolute reach is that of ``|p.b|``. All are integrated backwards
-        to `t` [s] from the next of the times of `_march`, as one row for each time (`_before`).
+        to `t` [s] from the next of the times of `_march`, as one row for each (`_costates_before`).
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
         ends, costates = self._march  # times of storage [s], and p with both reaches there
         step = np.minimum(np.searchsorted(ends, times, side="left"), ends.size - 1)
-        solution = _before(costates[step], self._step_matrices(times, ends[step]))
+        solution = _costates_before(costates[step], self._step_matrices(times, ends[step]))
         return np.moveaxis(solution, -1, 0)
 
     @property
@@ -343,7 +343,7 @@ class FlightMode:
         costates[-1, :-1] = unstable_end(self._equations(stop))  # of the frozen vehicle at the end
         costates[-1, -1] = abs(costates[-1, -2])
         for k in range(ends.size - 2, -1, -1):
-            costates[k] = _before(costates[k + 1], matrices[k])
+            costates[k] = _costates_before(costates[k + 1], matrices[k])
         return ends, costates
 
     def _step_matrices(self, begin: FloatArray, end: FloatArray) -> FloatArray:
@@ -364,16 +364,16 @@ class FlightMode:
         return np.asarray(np.eye(total.shape[-1]) + h / 6.0 * total)
 
 
-def _before(costates: FloatArray, matrices: FloatArray) -> FloatArray:
+def _costates_before(costates: FloatArray, matrices: FloatArray) -> FloatArray:
     """Return costates of length one and control reaches at the begin of steps, ``(..., m + 2)``.
 
     The last axis holds the costate p ``(m,)``, the control reach R and the absolute reach, the
-    integrals of p.b and ``|p.b|`` from then on; all are divided by the length of p. `costates`: at
-    the ends of the steps. `matrices`: ``(..., m + 1, m + 1)``, see `FlightMode._step_matrices`.
+    integrals of p.b and ``|p.b|`` from then on; all are divided by the length of p. `costates`: the
+    same at the ends of the steps. `matrices`: those of `FlightMode._step_matrices`.
     """
     before = np.einsum("...i,...ij->...j", costates[..., :-1], matrices)  # p and R
-    of_step = np.abs(before[..., -1] - costates[..., -2])
-    absolute_reach = (costates[..., -1] + of_step)[..., np.newaxis]
+    later_reach, later_absolute = costates[..., -2:-1], costates[..., -1:]
+    absolute_reach = later_absolute + np.abs(before[..., -1:] - later_reach)
     length = np.linalg.norm(before[..., :-1], axis=-1, keepdims=True)
     return np.asarray(np.concatenate([before, absolute_reach], axis=-1) / length)
 

@@ -381,25 +381,26 @@ def _plane_sizing(
     needs = [[count_need(next(frozen)) for _ in row] for row in placed]
     required = _columns(needs, bands)
     slow = _numbers(needs, lambda need: need.slow_mode)
-    messages, arises = _messages(inputs.times, needs), {}  # arises: flight time of a requirement
+    messages, arises = _messages(inputs.times, needs), {}  # arises: when a requirement does [s]
     if varying is not False:
         try:
             firsts, lasts = zip(
                 schedule.span, *(w.span for row in placed for w in row if not w.calm), strict=True
             )
             mode = FlightMode(schedule, model, plane, span=(min(firsts), max(lasts)))
-            along = _varying_requirements(mode, placed, bands, count_need)
-            required |= _varying(_columns(along, bands))
-            arises = _arising_times(placed, along, bands)
+            varying_needs = _varying_requirements(mode, placed, bands, count_need)
+            required |= _varying(_columns(varying_needs, bands))
+            arises = _arising_times(placed, varying_needs, bands)
             messages += _missing(required, bands)
             messages += _without_exit(mode, inputs.times, placed, bands)
-            raised = _numbers(along, lambda need: need.slower_modes)
+            raised = _numbers(varying_needs, lambda need: need.slower_modes)
             messages += slower_modes_message(inputs.times, raised)
         except InputError as error:
             if varying:
                 raise
             messages.append(f"parameters are frozen at each flight time: {error}")
     rows = list(zip(vehicles, placed, strict=True))
+    # longest wind [s] for which a single pole is sufficient
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [[_change(schedule, plane, v, w) for w in row] for v, row in rows]
