@@ -89,8 +89,8 @@ def solve_with_drift(
     for _ in range(100):
         x = K * z
         left = residual(z)
-        bend = moments(rho * x, 0)[..., 0]  # (x^2 psi)' = x M_0, M_0(x) = (1 - e^(-x))/x
-        slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * bend)
+        M_0 = moments(rho * x, 0)[..., 0]  # (x^2 psi)' = x M_0, M_0(x) = (1 - e^(-x))/x
+        slope = -K1 * K * np.exp(x - L) - (1.0 - K) - kappa * K * (1.0 + x * M_0)
         low, high = np.where(left > 0.0, z, low), np.where(left < 0.0, z, high)
         iterate = z - left / slope
         iterate = np.where((iterate >= low) & (iterate <= high), iterate, (low + high) / 2.0)

@@ -222,11 +222,11 @@ class TradeOffAnswer:
         The bounds, within the linear range alone, are the study's `required` deflection, the
         required rate, and the lower bound of the trade-off.
         """
-        trade_off, numbers = self.trade_off, [""]
+        trade_off, bounds = self.trade_off, [""]
         if not trade_off.beyond_linear:
             study = "" if required is None else required.see_study
-            numbers = [study, self.rate, trade_off.bound_text]
-        return "; ".join(filter(None, [self.judged, *self.outcomes, *numbers]))
+            bounds = [study, self.rate, trade_off.bound_text]
+        return "; ".join(filter(None, [self.judged, *self.outcomes, *bounds]))
 
 
 def over_rate(
@@ -455,7 +455,8 @@ _USED = (
 def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurves) -> None:
     """Print the duty of the nozzle in a whole flight of a law, and the verdict on its limits.
 
-    `source`: name of the file. `more`: whether all tables and notes are printed.
+    `source`: name of the file. `options`: winds, times, limits, model, planes, law and gains.
+    `shown`: options of JSON and CSV. `more`: whether all tables and notes are printed.
     """
     groups = (options.limits, options.model, options.planes, options.gains)
     case = case_over_flight(_QUESTION, source, options.winds, options.times, *groups)

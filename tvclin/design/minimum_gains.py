@@ -340,7 +340,7 @@ def _linear_peaks(problem: GainProblem, points: FloatArray, _goal: float) -> Flo
 
     The largest over the winds of the problem, until eight time constants of the fastest unstable
     mode after each, without samples. `points`: gains in the unit box, ``(n, axes)``. `_goal`: not
-    used, as all peaks are exact; `required_limits`, its alternative in `_cost`, is so below a goal.
+    used, since all peaks are exact; `_cost` passes it for `required_limits`, exact below it alone.
     """
     rows = replace(problem.autopilot(points), sample_rate=None)
     poles = np.real(unstable_modes(problem.plant.rigid).poles)

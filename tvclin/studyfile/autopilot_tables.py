@@ -30,8 +30,9 @@ def tables_in_wind(findings: Findings) -> tuple[Table, Table]:
     caption = "The autopilot in this wind, without a limit"
     caption += "" if findings.flexible is None else ", flexible vehicle"
     caption += f", {s.plane} plane alone" if s.judges_both_planes else ""
-    stop = None if findings.stop is None else abs(float(findings.stop.deflection))
-    deflections = c.deflections(caption + nominal_suffix(findings), stop)
+    # smallest limit with which the autopilot survives [rad]
+    limit = None if findings.stop is None else abs(float(findings.stop.deflection))
+    deflections = c.deflections(caption + nominal_suffix(findings), limit)
     return deflections, quantities("Largest motions", c.motions())
 
 

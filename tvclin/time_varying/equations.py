@@ -174,8 +174,10 @@ def minimum_peaks(
     # estimated run time, which decides between compiled and plain code, by numbers of operations
     count = costates.shape[1]  # modes
     work = peaks.size * count
-    duals = len(path) + np.sum(~np.isnan(limits))
-    sums = duals * marches.TANGENTS ** (count - 1) * float(path.shape[1] + cells.shape[-1])
+    computed = len(path) + np.sum(
+        ~np.isnan(limits)
+    )  # at most so many peaks, each a minimum of sums
+    sums = computed * marches.TANGENTS ** (count - 1) * float(path.shape[1] + cells.shape[-1])
     run(
         marches.minimum_peaks,
         (steps, *(np.require(x, float, ["C", "W"]) for x in arrays), peaks),

@@ -396,7 +396,7 @@ class LayeredGust(History):
         checked_duration("blend + plateau", blend + plateau)
 
     def _pieces(self) -> Pieces:
-        """Return the half waves of rise, plateau and fall, and zero after them."""
+        """Return half waves of rise and fall, `blend` long, the plateau between, and zero after."""
         blend = np.asarray(self.blend)
         top = blend + self.plateau
         knots = np.stack(np.broadcast_arrays(0.0, blend, top, top + blend), axis=-1)

@@ -420,6 +420,7 @@ def _judged_interval(
     mode it is the whole flight, without equations. Cached by its arguments.
     """
     modes = [FlightMode(flight, model, plane, flight.span) for plane in planes]
+    # flights up to the end of their last interval with an unstable mode, by plane
     unstable = [mode.until_stable for mode in modes if mode.unstable]
     if not unstable:
         return FlightInterval(FlightPath.of(flight, pressure), marches={})

@@ -401,8 +401,8 @@ class SoundingWinds:
         """Return the heights [m] of levels and of rows of the flight, ascending, ``(n, k)``.
 
         `path`: path of the flight. The heights are from the lowest to the highest level (`bottom`,
-        `top`), or, with `strong`, along the entire flight, with two more where the wind becomes
-        unknown; soundings with fewer levels repeat heights.
+        `top`). With `strong`, a strong wind beyond them, they are along the entire flight, with two
+        more where the wind becomes unknown. Soundings with fewer levels repeat heights.
         """
         counts = np.diff(self.offsets)  # levels of each sounding; the last one is repeated
         index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)

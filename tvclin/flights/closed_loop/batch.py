@@ -328,6 +328,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
     if len(memory.states) > 1:  # matrices for each flight, else one for all
         cases.memory[:] = np.arange(vehicle.size)
     N = steps.joint.shape[2]
+    sensor_states = len(plant.states) - len(batch.plant.system.states)  # of lateral sensors
     now = equilibrium(vehicle.size, len(plant.states), steps, terms, memory.states.shape[1])
     # index of the last breakpoint of the wind that is not after the start, -1 before all
     now.piece[:] = (knots[encountered] <= cases.start[:, np.newaxis]).sum(axis=1) - 1
@@ -339,9 +340,7 @@ def flights(batch: Batch, *, track: bool = False) -> Flights:
             A=plant.A,
             gust=np.ascontiguousarray(plant.B[..., 1]),  # the column of the wind
             fastest=np.abs(plant.poles).max(axis=-1),
-            judges=widened(
-                judges.rows[criteria_index], N, len(plant.states) - len(batch.plant.system.states)
-            ),
+            judges=widened(judges.rows[criteria_index], N, sensor_states),
             reach=judges.reach[criteria_index],
             ratio=judges.ratio[criteria_index],
         ),
@@ -566,7 +565,7 @@ def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:
     sequence = np.array(rows_of_laws, dtype=np.int64)[laws.which]
     if not any(level for level, _ in sources):
         return np.zeros((1, 0)), sequence
-    count = int(samples.max()) + 2 * kernel.JUDGED_SAMPLES
+    count = int(samples.max()) + 2 * kernel.JUDGED_SAMPLES  # a reserve of two judgements
     rows = [
         np.random.default_rng([seed, 0]).normal(0.0, level, count) if level else np.zeros(count)
         for level, seed in sources

@@ -95,8 +95,8 @@ def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
     g.now.commands[:] = np.take_along_axis(g.now.commands, shifted, axis=1)
     g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
     g.cases.finish[:] = np.maximum(np.ceil(_INTERVAL_OVER_SETTLING * g.cases.settling), 1)
-    g.cases.ends[:] = NEVER
-    g.cases.stages[:] = 1
+    g.cases.ends[:] = NEVER  # not judged
+    g.cases.stages[:] = 1  # with the matrices of the last sample throughout
     g.now.outcome[:], g.now.ended[:], g.now.peaks[:] = UNDECIDED_CODE, -1, 0.0
     finish(g, laws)
     return g

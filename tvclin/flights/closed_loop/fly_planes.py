@@ -66,7 +66,7 @@ def plane_flights(
     with np.errstate(invalid="ignore"):  # a plane without wind
         f = flights(batch)
     onset = float(wind.onset)
-    ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))
+    ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))  # samples; 1e-9 is rounding
     f.cases.start[:], f.cases.ends[:] = onset, ends
     f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _MAX_SAMPLES_AFTER_WIND)
     # index of the last breakpoint of the component that is not after the onset

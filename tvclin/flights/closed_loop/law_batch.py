@@ -196,10 +196,10 @@ def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: i
     """Return the step matrices of one law and its filters, padded to `size` states.
 
     `system`: the law in state space. `chains`: filters of the sensors and the demand. `lengths`:
-    lengths of the steps [s], ``(m,)``. The law's states precede the states of each chain. The
-    output of a controller in state space takes the place of the attitude among the law's inputs.
-    The rows are of x+ = F [x, sensors, demand], then of the law's inputs, then of the
-    filtered demand.
+    lengths of the steps [s], ``(m,)``. From sensors and demand the law and its filters, connected,
+    give the next states x+ = F [x, sensors, demand], of the law and then of each chain, the law's
+    inputs and the filtered demand, `RETURNED`. The output of a controller in state space takes the
+    place of the attitude, the first of the law's inputs.
     """
     blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
     first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]

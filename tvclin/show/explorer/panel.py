@@ -206,7 +206,7 @@ def curves(answer: Answer) -> dict[str, tuple[Any, Any]]:
         lines["boundary.curve"] = answer.durations, np.degrees(answer.boundary)
         lines["boundary.point"] = [duration], np.degrees([answer.required])
     lines["boundary.limit"] = [0.0, LONGEST], [limit, limit]
-    lines["boundary.have"] = [duration], [limit]
+    lines["boundary.have"] = [duration], [limit]  # the limit at the chosen duration
     ends = [0.0, duration] if motion is None else [float(motion.time[0]), float(motion.time[-1])]
     lines["deflection.upper"] = ends, [limit, limit]
     lines["deflection.lower"] = ends, [-limit, -limit]
