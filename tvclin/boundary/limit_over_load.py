@@ -318,8 +318,8 @@ class LoadLimits:
         """Minimum load |alpha + M delta| [rad] of any control, as computed, and its lower bound.
 
         Each of five programs has finer nodes in time. By duality it proves that every control has
-        peak >= bound - slope load: no peak is above `_MAX_DEFLECTION`, which bounds the load. Loads
-        and peaks are added to `points` of the trade-off, bounds and slopes to `lines` below it.
+        peak >= bound - slope load (`lines`), which bounds the load of peaks up to
+        `_MAX_DEFLECTION`.
         """
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf
@@ -514,12 +514,7 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
         if no_forecast:  # a ramp of that rate must go to a larger deflection
             pole = float(np.real(unstable_poles(plant)[0]))
             no_forecast = float(ramped_deflection(no_forecast, pole, rate))
-    limits = LoadLimits(
-        case=case,
-        minimum_deflection=minimum_deflection,
-        program=LoadProgram(case, _nodes(case)),
-        no_forecast=no_forecast,
-    )
+    limits = LoadLimits(case, minimum_deflection, LoadProgram(case, _nodes(case)), no_forecast)
     if np.isinf(rate):
         limits.points.append((limits.load_of_minimum, optimum.peak))
     return limits

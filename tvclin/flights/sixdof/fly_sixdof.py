@@ -160,12 +160,13 @@ class SixDof:
     def flown(
         self, steering: Steering, air: Air, sensors: LateralSensors = NO_LATERAL_SENSORS
     ) -> FloatArray:
-        """Return the outputs [rad, rad/s] of a flight at the steps, ``(m, 5)``.
+        """Return the `OUTPUTS` [rad, rad/s] of a flight at the steps, ``(m, 5)``.
 
         They are deviations from the nominal flight, and end where the attitude leaves the range of
-        the model. `steering`: function of the deflection. `air`: wind at the steps. `sensors`:
-        lateral sensors of the law. `InputError` for NaN, and for drift that is measured on a path
-        that does not turn.
+        the model. `steering`: function that returns the deflection. `air`: wind at the steps; if it
+        has a trajectory, of that vehicle, from its departure, and less its nominal outputs, `rows`.
+        `sensors`: lateral sensors of the law. `InputError` for NaN, and for drift that is measured
+        on a path that does not turn.
         """
         check_path(self.drift, sensors)
         surroundings: Surroundings = self.earth
