@@ -80,6 +80,19 @@ def test_a_short_gust_in_a_long_wind_is_placed_at_the_pressure_encountered_too()
     assert required >= other
 
 
+@pytest.mark.parametrize("sign", [None, "frozen"])
+@pytest.mark.parametrize("plane", ["pitch", "yaw"])
+def test_a_time_beyond_linear_aerodynamics_is_the_worst(configuration_i, plane, sign) -> None:
+    """27 + 5 deg in the middle are not known, so that no early gust's number is a verdict."""
+    gust = tv.OneMinusCosineGust(peak=np.radians(5.0), duration=1.0)
+    wind = tv.winds.ShapedWind("triangular", np.radians(27.0), 10.0, gust=gust)
+    case = tv.Case(vehicle=configuration_i, plane=plane, wind=wind, sign=sign)
+    early = replace(case, wind=replace(wind, gust_at=0.5), sign="frozen")
+    assert np.isfinite(case_requirement(early, 0.0).required_deflection)
+    need = case_requirement(case, 0.0)
+    assert np.isnan(need.required_deflection) or need.encountered_unknown
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(12))
 def test_no_time_of_a_random_gust_requires_more(seed) -> None:

@@ -3,7 +3,8 @@
 A gust without a time may come at any time of the wind, and the worst counts. The requirement over
 the time of the gust is scanned, and refined between the neighbours of its maximum: at the dynamic
 pressure encountered, in the worst direction of the wind, or at nominal dynamic pressure, by request
-and where that encountered is not known.
+and where that encountered is not known. A time at which wind and gust together exceed linear
+aerodynamics is worse than all others: what is required there is not known.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from tvclin.time_varying.equations import Equations
 from tvclin.time_varying.requirements import varying_requirement
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind, encountered_wind
+from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE
 
 _MIN_STEPS, _MAX_STEPS = 16, 64
 """Smallest and largest number of steps over the wind, two in each duration of the gust."""
@@ -47,11 +49,15 @@ def nominal_requirements_by_time(
     K = np.asarray(dead_band)
 
     def required(times: FloatArray) -> FloatArray:
-        """Return the required deflections [rad] with the middle of the gust at times [s]."""
+        """Return the required deflections [rad] with the middle of the gust at times [s].
+
+        Infinite where the wind exceeds linear aerodynamics.
+        """
         gusty = wind.history({"gust_at": times})
         # Literal: the switch compares the trim deflection itself with K times the limit.
         boundary = boundary_limit(plant, gusty, K, "literal")
-        return np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
+        largest = np.max(list(open_loop_requirements(plant, gusty, K, boundary).values()), axis=0)
+        return np.where(gusty.peak > MAX_LINEAR_ANGLE, np.inf, largest)
 
     return required
 
@@ -76,12 +82,15 @@ def encountered_requirements_by_time(
         """Return the required deflections [rad] with the middle of the gust at times [s], ``(n,)``.
 
         They are the largest of the `directions`, computed in longer steps (`_PARTS`), without
-        flights. `InputError` where a wind turns the path further than linear aerodynamics reach.
+        flights; infinite where a wind turns the path further than linear aerodynamics reach.
         """
         by_direction = []
         for direction in directions:
             gusty = encountered_wind(wind, vehicle, plane, direction, values={"gust_at": times})
-            gusty.check_linear()
+            linear = gusty.largest_angle <= MAX_LINEAR_ANGLE  # not where there is none: NaN
+            if not np.all(linear):
+                by_direction.append(np.where(linear, 0.0, np.inf))
+                continue
             requirement = varying_requirement(
                 equations, gusty, dead_band, parts=_PARTS, flights=False
             )
@@ -94,8 +103,9 @@ def encountered_requirements_by_time(
 def worst_gust_time(wind: ShapedWind, required: RequirementsByTime) -> float | None:
     """Return the time [s] of the middle of a gust with the largest requirement.
 
-    None where no limit is defined, or nothing is required. `wind`: with the gust; the search goes
-    from its beginning to its end. `required`: required deflections [rad] by time of the gust.
+    None where no limit is defined, or nothing is required. Of several times at which the
+    requirement is infinite, or not known, the first. `wind`: with the gust; the search goes from
+    its beginning to its end. `required`: required deflections [rad] by time of the gust.
     """
     gust = wind.gust
     assert gust is not None
@@ -106,9 +116,11 @@ def worst_gust_time(wind: ShapedWind, required: RequirementsByTime) -> float | N
     # the scan and its refinements: similar runs, which decide between compiled and plain code
     with suppress(InputError), repeated(1 + _REFINEMENTS):
         scan = required(times)
-        if not np.all(np.isfinite(scan)) or scan.max() == 0.0:
+        if np.any(np.isnan(scan)) or scan.max() == 0.0:
             return None
         best = int(scan.argmax())
+        if np.isinf(scan[best]):
+            return float(times[best])
         low, high = times[max(best - 1, 0)], times[min(best + 1, steps)]
         time, refined = grid_minimum(lambda time: -required(time), low, high, _REFINEMENTS)
         return float(time if -refined > scan[best] else times[best])
