@@ -540,9 +540,9 @@ class _Case:
         v = min(rate, float(np.sqrt(c * d)))  # reached in a motion by d that also comes to rest
         # condition of q, solved for e^(-q t): q times its demand = (v/q) f(q v/c) (1 - e^(-q d/v)
         # - e^(-q t) (1 - e^(-2 q d/v))), with f(x) = (1 - e^-x)/x and the acceleration limit c
-        worth = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)  # (v/q) f(q v/c)
+        factor = v / q if np.isinf(c) else -(c / q**2) * np.expm1(-q * v / c)  # (v/q) f(q v/c)
         demand = q * demands[1] * np.sign(demands[0])  # [rad], positive if towards d
-        decay = (-np.expm1(-q * d / v) - demand / worth) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
+        decay = (-np.expm1(-q * d / v) - demand / factor) / -np.expm1(-2.0 * q * d / v)  # e^(-q t)
         after_first_motion = 0.0 <= decay <= np.exp(-q * (d / v + v / c))
         return bool(after_first_motion and decay ** (p / q) < _NEGLIGIBLE)  # e^(-p t)
 

@@ -439,9 +439,10 @@ def _modal_bounds(matrix: AnyArray, row: AnyArray, horizon: float) -> AnyArray:
 def _sample_steps(matrix: AnyArray, horizon: float) -> Iterator[tuple[float, float, AnyArray]]:
     """Yield blocks of equal steps, without end: start [s], step [s] and e^(matrix k step).
 
-    `matrix`: M of state' = M state [1/s]. `horizon`: longest time of interest [s]. The first block
-    is as long as one step of the next, as a motion that starts with zero slope may turn soon. A
-    step doubles when every mode that is too fast for the longer step has decayed.
+    k is from 0 to `_STEPS_PER_BLOCK`. `matrix`: M of state' = M state [1/s]. `horizon`: longest
+    time of interest [s]. The first block is as long as one step of the next, as a motion that
+    starts with zero slope may turn soon. A step doubles when every mode that is too fast for the
+    longer step has decayed.
     """
     rates = np.linalg.eigvals(matrix)
     fastest = float(np.abs(rates).max())

@@ -337,10 +337,9 @@ def _shortened(current: SignedSum, step: FloatArray, geometric: bool) -> SignedS
 def _newton_step(current: SignedSum) -> FloatArray:
     """Return the Newton step ``(n,)`` of the multipliers lambda of the sum `current`, lambda . e.
 
-    e: the n exponentials of the poles, d: what their integrals times the deflection must equal
-    (demands), t_j: the zeros of the sum. It minimises
-    L1^2/2 - lambda . d with the L1 norm of the sum, whose gradient is L1 m - d with the moments m
-    of the sign.
+    The step is to the minimum of L1^2/2 - lambda . d, whose gradient is L1 m - d. e: the n
+    exponentials of the poles; d: the demands, which their integrals times the deflection must
+    equal; L1: the L1 norm of the sum; m: the moments of its sign; t_j: its zeros.
     """
     # The Hessian is R'R, R having the rows m' and e(t_j)' sqrt(2 L1/slope); R = U S V' inverts it.
     c = current.window.constraints

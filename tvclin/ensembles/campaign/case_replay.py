@@ -182,7 +182,7 @@ class Replay:
         names = ("attitude", "angle_of_attack", "deflection")
         if self.campaign.along is None:
             return self._extremes(self.flown, names)
-        if not self.planes:
+        if not self.planes:  # an impossible case
             return {}
         flown = self.flown_along()
         peaks = {}
