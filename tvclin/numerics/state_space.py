@@ -95,11 +95,12 @@ def pade_delay(delay: float, order: int) -> Matrices:
     """
     if delay == 0.0:
         return DIRECT
-    powers = np.arange(order, -1, -1)
+    powers = np.arange(order, -1, -1)  # of s T, later of s T/unit, with which the last number is 1
     denominator = np.array([float(comb(order, k) * perm(2 * order - k, order - k)) for k in powers])
     unit = denominator[-1] ** (1.0 / order)
     denominator /= unit ** powers[::-1]
     numerator = denominator * (-1.0) ** powers
+    # controllable canonical form, in which the time unit is T/unit
     A, B = np.eye(order, k=1), np.zeros((order, 1))
     A[-1], B[-1] = -denominator[:0:-1], 1.0
     C = (numerator - numerator[0] * denominator)[np.newaxis, :0:-1]

@@ -258,7 +258,7 @@ def _from_grid(window: Window) -> SignedSum:
     """
     cells, best = initial_cells(window), None
     for _ in range(_GRID_REFINEMENTS):
-        levels, prices = grid_optimum(window.constraints, cells)
+        levels, prices = grid_optimum(window.constraints, cells)  # levels: deflection over the peak
         switches, uncertain = switch_times_of(cells, levels)
         for guess in _scaled(window, [window.vanishing_at(switches), prices]):
             solution = _newton(guess)

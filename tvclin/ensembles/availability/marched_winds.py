@@ -137,9 +137,9 @@ class PlaneMarch:
         """
         stepped = self.stepped(winds)
         equations, march = stepped.equations, stepped.curves()  # trim and demand over time
-        (limit, _time), highest = self._limit(march), march.highest_limit
-        limit = np.maximum(limit, self._limit_at_levels(winds, march, stepped))
-        minimum = np.zeros(limit.shape)
+        (limit, _time), highest = self._limit(march), march.highest_limit  # at the ends of steps
+        limit = np.maximum(limit, self._limit_at_levels(winds, march, stepped))  # and within
+        minimum = np.zeros(limit.shape)  # peak over all unstable modes
         for cases, peaks in stepped.peaks_over_modes(march.path):
             # from the begin of the first step on
             minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])
@@ -150,8 +150,8 @@ class PlaneMarch:
         if np.any(equations.quick_path | equations.changes_sign) or self._law_may_diverge:
             upper = np.maximum(limit, highest)
         if self._law_may_diverge:
-            never = self.flights(winds).diverge(highest[:, np.newaxis])[:, 0]
-            upper = np.where(never, np.inf, upper)
+            diverges = self.flights(winds).diverge(highest[:, np.newaxis])[:, 0]
+            upper = np.where(diverges, np.inf, upper)
         else:
             upper = np.where(flown, upper, limit)
         return Bounds(lower=limit, upper=upper, lowest=lowest, highest=highest)

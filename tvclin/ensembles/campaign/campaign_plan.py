@@ -319,6 +319,7 @@ class Campaign(Case):
         """Raise `InputError` for a wind, a limit shape and outputs that do not fit together."""
         if self.nozzle.limit_shape is None:
             if isinstance(self.wind, ShapedWind) and self.heading is not None:
+                # refuse a wind without a part in the plane, and a sign beside a direction
                 self.wind.in_plane(self.plane, float(np.asarray(self.vehicle.attitude)))
                 self.directions()
             return

@@ -581,7 +581,7 @@ class Stages:
 
     @cached_property
     def vehicles(self) -> Vehicles:
-        """Sensor rows and outcome criteria of the vehicles of all samples.
+        """Sensor rows (`shown`) and outcome criteria of the vehicles of all samples.
 
         The state matrix A and the column of the wind in B (`gust`) are set in all samples if
         `_arrays` has them, else in the samples next to a knot of the wind, within which it changes.
