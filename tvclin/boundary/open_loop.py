@@ -93,8 +93,9 @@ def _iterated(
 ) -> FloatArray:
     """Return the largest limits L that diverge after trim, ``(n,)``, by L <- max(K L, m(L)).
 
-    m(L) is the minimum peak after trim up to K L. `after`: the problem. `cases`: n indices in it.
-    `lower`: smallest results. `highest`: starts of the iteration. All over the trim B alpha_w,max.
+    m(L) is the minimum peak after trim up to K L; no limit between both sides diverges. `after`:
+    the problem. `cases`: n indices in it. `lower`: other requirements, below which no limit counts.
+    `highest`: starts, which do not diverge. Limits are normalised by the trim B alpha_w,max.
     """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)
@@ -107,14 +108,14 @@ def _iterated(
         below = np.minimum(np.maximum(lowest, after.peaks(cases[active], above, lowest)), above)
         limit[active] = below
         done = above - below <= _RELATIVE_STEP * above
-        # near the smallest result it is tested by itself, rather than approached in small steps
+        # a limit close to `lower` is not approached in small steps: it is `lower` if that survives
         close = np.flatnonzero(~done & (below <= floor * (1.0 + _RELATIVE_RANGE)))
         level = floor[close]
-        equal = after.peaks(cases[active[close]], level, level) <= level * (
+        survives = after.peaks(cases[active[close]], level, level) <= level * (
             1.0 + _RELATIVE_ROUNDING
         )
-        limit[active[close[equal]]] = level[equal]
-        done[close[equal]] = True
+        limit[active[close[survives]]] = level[survives]
+        done[close[survives]] = True
         active = active[~done]
     return np.maximum(lower, limit)
 

@@ -372,8 +372,8 @@ class FlightLoop:
     def _directions(self, wind: FlownWind) -> tuple[str | None, ...]:
         """Return the directions in which a wind is flown: head and tail, or the one of the plan.
 
-        None, for the direction of the wind itself, of a measured wind, and of a pulse in yaw or in
-        both planes unless the plan says one.
+        None stands for the wind's own direction: that of a measured wind, and of a pulse in yaw or
+        in both planes unless the plan has a sign.
         """
         if isinstance(wind, MeasuredWind | MeasuredPlanes):
             return (None,)

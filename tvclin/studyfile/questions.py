@@ -468,38 +468,39 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
     """Yield whether limit, rate limit and load limit cover the wind and k sigma of turbulence.
 
     It is a criterion on the linear loop: where it is not satisfied, limits are reached more often.
-    Where a head wind sets the requirement, the dynamic pressure at its peak throughout is an upper
-    bound. `findings`: results of a plan with turbulence. `limit`: deflection limit [rad].
+    Where a head wind sets the requirement (`findings.head`), the dynamic pressure at its peak
+    throughout is an upper bound, which must be covered too. `findings`: results of a plan with
+    turbulence. `limit`: deflection limit [rad].
     """
-    t, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
-    if t is None:
+    nominal, rate_limit = findings.turbulence, findings.plan.nozzle.rate_limit
+    if nominal is None:
         if findings.plan.turbulence is not None:
             yield Question(_TURBULENCE, None, (_reason(findings, "turbulence"),))
         return
-    nominal, sigmas = t, f"the linear autopilot in the wind and {t.label} of turbulence"
-    whose = f"{sigmas} requires"
+    counted, loop = nominal, f"the linear autopilot in the wind and {nominal.label} of turbulence"
+    whose = f"{loop} requires"
     if findings.head is not None:
         if findings.head.turbulence is None:
             yield Question(_TURBULENCE, None, (_NOT_KNOWN_AT_PEAK,))
             return
         whose += f", by the bound for a {findings.study.direction} wind,"
-        sigmas, t = f"{sigmas}{_at_peak(findings)}", findings.head.turbulence
-    beyond = beyond_linear(t.angle_of_attack, ATTACK)
+        counted, loop = findings.head.turbulence, f"{loop}{_at_peak(findings)}"
+    beyond = beyond_linear(counted.angle_of_attack, ATTACK)
     whose = "" if beyond else whose
-    # name, required and available value at nominal pressure and at the head wind's, and unit
-    judged = [(_TURBULENCE, (nominal.deflection, limit), (t.deflection, limit), "deg")]
-    if rate_limit is not None and t.deflection_rate is not None:
+    # name, required and available value at nominal pressure and at the one that counts, and unit
+    judged = [(_TURBULENCE, (nominal.deflection, limit), (counted.deflection, limit), "deg")]
+    if rate_limit is not None and counted.deflection_rate is not None:
         rate = nominal.deflection_rate or np.nan
-        pairs = (rate, rate_limit), (t.deflection_rate, rate_limit)
+        pairs = (rate, rate_limit), (counted.deflection_rate, rate_limit)
         judged.append((_TURBULENCE_RATE, *pairs, "deg/s"))
-    if t.load is not None and t.load_bound is not None:
+    if counted.load is not None and counted.load_bound is not None:
         at_nominal = nominal.load or 0.0, nominal.load_bound or np.nan
-        judged.append((_TURBULENCE_LOAD, at_nominal, (t.load, t.load_bound), "deg"))
+        load = counted.load, counted.load_bound
+        judged.append((_TURBULENCE_LOAD, at_nominal, load, "deg"))
     for name, (nominal_required, nominal_available), (required, available), unit in judged:
-        # at nominal pressure, and also at the pressure of the head wind, an upper bound: True,
-        # False, or None for not known
         covered = bool(covers(nominal_available, nominal_required))
-        yes, words = _also_in_head_wind(covered, bool(covers(available, required))), sigmas
+        # True, False, or None for not known
+        yes, words = _also_in_head_wind(covered, bool(covers(available, required))), loop
         if findings.head is not None and yes is None:
             bound = f"not by the bound for a {findings.study.direction} wind"
             words = f"covered {NOMINAL}, {bound}; {words}"
@@ -509,7 +510,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
         measure = _of_angles(required, available, unit)
         answered = (None, (beyond,)) if beyond else (yes, line)
         yield Question(name, *answered, whose=whose, measure=measure)
-    if rate_limit is not None and t.deflection_rate is None:
+    if rate_limit is not None and counted.deflection_rate is None:
         yield Question(_TURBULENCE_RATE, None, ("the deflection rate has no variance here",))
 
 

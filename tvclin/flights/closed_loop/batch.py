@@ -455,8 +455,7 @@ def _cases(
 ) -> tuple[Cases, FloatArray]:
     """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
 
-    Matrices and states of the law are the same at all samples: a stage, a memory. The second result
-    is rows of noise of measured attitude rates [rad/s]. A flight is judged every
+    The second result is rows of noise of measured attitude rates [rad/s]. A flight is judged every
     `JUDGED_SAMPLES` samples, so that the time of waiting is a multiple of them. `judges`: outcome
     criteria of the different plants, with times [s] of settling and waiting; `reach`, the largest
     unstable coordinate that a unit limit recovers, is NaN where flights have no outcome.
@@ -481,9 +480,11 @@ def _cases(
         vehicle=vehicle,
         wind=encountered,
         law=batch.laws.which.copy(),
-        memory=np.zeros_like(vehicle),
-        sequence=sequence,
-        stages=np.ones_like(vehicle),
+        memory=np.zeros_like(
+            vehicle
+        ),  # row of the matrices of the law's states: all have the first
+        sequence=sequence,  # row of noise
+        stages=np.ones_like(vehicle),  # a single stage: the vehicle is the same at all samples
         gain=spread_to(batch.gain, shape),
         limit=spread_to(batch.limit, shape),
         rate_limit=spread_to(batch.hardware.rate_limit, shape),

@@ -235,10 +235,10 @@ class Stages:
 
     @cached_property
     def _timing(self) -> Timing:
-        """Lengths of all samples and of their parts, with the same substeps in each.
+        """Lengths [s] of all samples and of their parts, with equally many substeps in each sample.
 
-        So the recorded rows of a flight are as many in each sample. The parts of a sample are
-        before and after the arrival of a delayed command.
+        So each sample has equally many recorded rows. The parts of a sample are before and after
+        the arrival of a delayed command.
         """
         count = self.times.size
         length, delay = (np.full(count, float(x)) for x in (self.period, self.hardware.delay))
@@ -603,16 +603,20 @@ class Stages:
 
     @cached_property
     def _next_to_knots(self) -> IntArray:
-        """Indices of the samples next to a knot of the wind; none where all are interpolated."""
+        """Indices of samples with a knot of the wind, within which it changes, and neighbours.
+
+        Only in these the kernel needs x' = A x + gust w itself; none where `_arrays` has A and gust
+        of all samples.
+        """
         if self._by_pressure:
             return np.zeros(0, np.int64)
         flight, (knots, _) = self.flight_of_wind, self._pieces  # knots by wind [s]
         inside = np.floor((knots - self.starts[flight, np.newaxis]) / self.period)  # sample of each
         # of each flight the number of samples, and the index of its first among those of all
         samples, firsts = (a[flight, np.newaxis, np.newaxis] for a in (self.samples, self.first))
-        neighbours = inside[..., np.newaxis] + np.arange(-1, 2)
-        flown = (neighbours >= 0) & (neighbours <= samples)
-        return np.unique((firsts + np.where(flown, neighbours, 0))[flown]).astype(np.int64)
+        neighbours = inside[..., np.newaxis] + np.array([-1, 0, 1])
+        is_flown = (neighbours >= 0) & (neighbours <= samples)
+        return np.unique((firsts + np.where(is_flown, neighbours, 0))[is_flown]).astype(np.int64)
 
 
 def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
