@@ -109,7 +109,7 @@ class FlightSchedule(Shown):
         _check_structure(self.structure, times)
 
     def _checked_actuator(self) -> dict[str, FloatArray]:
-        """Return frequency [rad/s] and damping of the actuator by name, checked; empty without."""
+        """Check and set frequency [rad/s] and damping of the actuator; return them by name."""
         checked = {
             name: errors.positive(name, getattr(self, name))
             for name in _ACTUATOR

@@ -137,7 +137,7 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         states = _vectors(pair, lambda f: f.now.states)[active, :order]
         demand, command = law.demand(measured, states, limit[active]), np.zeros(m, complex)
         command[active], saturated = law.limited(demand, limit[active])
-        outcomes.saturated[active] += saturated
+        outcomes.saturated[active] += saturated  # number of samples at the limit
         for stepper, component in zip(steppers, (command.real, command.imag), strict=True):
             demands = np.ascontiguousarray(component)
             stepper.advance(k, demands, full_command_ratio, full_command_ratio)

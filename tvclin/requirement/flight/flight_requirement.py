@@ -558,8 +558,9 @@ def with_directions(
     mode : FlightMode or None
         The flight, where parameters vary.
     """
-    unknown, why, K = np.zeros(sizing.known.shape, dtype=bool), "", float(sizing.dead_bands[0])
-    base = base_requirement(sizing)
+    # whether the requirement at the pressure encountered is not known, and the first reason
+    unknown, why = np.zeros(sizing.known.shape, dtype=bool), ""
+    K, base = float(sizing.dead_bands[0]), base_requirement(sizing)  # at nominal pressure
     columns: dict[Requirement, FloatArray] = {}
     # columns, flight times i and winds j whose requirement is computed below, along the flight
     along: list[tuple[FloatArray, int, int, EncounteredWind]] = []
