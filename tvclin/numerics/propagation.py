@@ -458,7 +458,7 @@ def _sample_steps(matrix: AnyArray, horizon: float) -> Iterator[tuple[float, flo
         # sizes of the eigenvalues whose modes have not decayed by then [1/s]
         alive = np.abs(rates[-np.real(rates) * start < _DECAY_EXPONENT])
         if 2.0 * step * alive.max(initial=0.0) <= _MAX_STEP:
-            step, powers = 2.0 * step, _matrix_powers(powers[2])
+            step, powers = 2.0 * step, _matrix_powers(powers[2])  # of e^(M 2 step)
 
 
 def _matrix_powers(factor: AnyArray) -> AnyArray:

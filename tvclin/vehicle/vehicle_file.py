@@ -241,7 +241,8 @@ def check_columns(keys: Iterable[str], heading: str) -> None:
             if key not in table.every_key:
                 raise InputError(table.unknown(key))
     faults.raise_all()
-    _check_complete({table.keys[key][0] for key in keys if key in table.keys}, table)
+    names = (table.keys[key][0] for key in keys if key in table.keys)  # without their units
+    _check_complete(set(names), table)
 
 
 def _check_complete(names: Collection[str], table: FileTable) -> None:

@@ -70,7 +70,8 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
     solution = _linear_program(cost, rows, np.zeros(sizes.size), (0.0, None))
     if solution is None:
         return np.ones(cells.size - 1), constraints.demands / sizes**2
-    levels, prices = solution[0][:-1], solution[1] / sizes
+    variables, prices = solution
+    levels, prices = variables[:-1], prices / sizes
     determined, first = np.abs(prices) * sizes > _RELATIVE_LP_TOLERANCE, 0
     while not np.all(determined) and np.any(determined):
         decays = constraints.decays[determined, None]
@@ -85,7 +86,7 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
         if not np.all(sizes[~determined] > 0.0):
             break
         # moments t d that the later cells must have
-        remaining = solution[0][-1] * demands - moments[:, :first] @ levels[:first]
+        remaining = variables[-1] * demands - moments[:, :first] @ levels[:first]
         rows = late[~determined] / sizes[~determined, None]
         remaining = remaining[~determined] / sizes[~determined]
         stage = _linear_program(cost / unit, rows, remaining)

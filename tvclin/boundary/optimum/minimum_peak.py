@@ -255,10 +255,10 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     violation = window.violation(switches, limit)
     for _ in range(3 if switches.size else 0):
         signs = (-1.0) ** np.arange(switches.size)
-        columns = [2.0 * limit * signs * window.constraints.basis(switches)]
-        columns.append(limit * window.piece_moments(switches).sum(axis=1, keepdims=True))
-        rows = np.hstack(columns) / window.sizes[:, np.newaxis]
-        missing = window.constraints.demands - columns[1][:, 0]
+        by_switches = 2.0 * limit * signs * window.constraints.basis(switches)
+        moments = limit * window.piece_moments(switches).sum(axis=1)  # also the change by the limit
+        rows = np.column_stack([by_switches, moments]) / window.sizes[:, np.newaxis]
+        missing = window.constraints.demands - moments
         step = np.linalg.lstsq(rows, missing / window.sizes, rcond=None)[0]
         trial, trial_limit = switches + step[:-1], limit * (1.0 + step[-1])
         if np.any(np.diff(trial, prepend=0.0, append=window.end) < 0.0):

@@ -365,7 +365,7 @@ def fly_nozzle(
     times = np.asarray(first + h / per_sample * np.arange(count * per_sample + 1), dtype=np.float64)
     hardware = Hardware(h, delay, actuator=actuator, rate_limit=rate_limit)
     flight = one_flight(plant, law, wind, deflection_limit, hardware, until=times[-1] + h)
-    rows, rate, acceleration = tracked(flight, times)
+    rows, rate, acceleration = tracked(flight, times)  # rows: states, and last the deflection
     outputs = outputs_of(flight.system, rows, wind(times))
     alpha, attitude = (
         outputs[plant.outputs.index(name)] for name in ("angle_of_attack", "attitude")

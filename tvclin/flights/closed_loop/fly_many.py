@@ -351,18 +351,18 @@ def flown_cases(f: Flights | None, possible: BoolArray, rings: BoolArray) -> Flo
         return array
 
     h = f.steps.lengths[f.cases.vehicle, 0]
-    # Columns of peaks: attitude, its rate, deflection, its rate, angle of attack, samples at limit
+    attitude, attitude_rate, deflection, deflection_rate, alpha, samples_at_limit = f.now.peaks.T
     survived = f.now.outcome == STATUS.index(SURVIVED)
     outcome[possible] = np.where(survived & rings, STATUS.index(RINGS), f.now.outcome)
     return FlownCases(
-        peak_attitude=in_batch_shape(f.now.peaks[:, 0]),
-        peak_attitude_rate=in_batch_shape(f.now.peaks[:, 1]),
-        peak_deflection=in_batch_shape(f.now.peaks[:, 2]),
-        peak_deflection_rate=in_batch_shape(f.now.peaks[:, 3]),
-        peak_angle_of_attack=in_batch_shape(f.now.peaks[:, 4]),
+        peak_attitude=in_batch_shape(attitude),
+        peak_attitude_rate=in_batch_shape(attitude_rate),
+        peak_deflection=in_batch_shape(deflection),
+        peak_deflection_rate=in_batch_shape(deflection_rate),
+        peak_angle_of_attack=in_batch_shape(alpha),
         final_attitude=in_batch_shape(f.now.y[:, 0]),
         end_time=in_batch_shape(f.cases.start + f.now.ended * h),
-        saturated_time_fraction=in_batch_shape(f.now.peaks[:, 5] / np.maximum(f.now.ended, 1)),
+        saturated_time_fraction=in_batch_shape(samples_at_limit / np.maximum(f.now.ended, 1)),
         status=np.array(STATUS)[outcome],
     )
 
