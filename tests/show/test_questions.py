@@ -20,6 +20,7 @@ from tvclin.studyfile.verdict import questions_table
 
 SPREAD = tv.Dispersions((tv.Dispersion("normal_force_slope", "truncated", 0.1),))
 LOOSE = tv.control.Criteria.custom("loose", aero_margin_dB=3.0)
+GAINS = tv.AutopilotDesign(attitude_gain=0.6, rate_gain=0.8)
 DESIGN = tv.AutopilotDesign(design="poles", natural_frequency=2.0, damping=0.8)
 
 
@@ -97,6 +98,35 @@ def test_the_table_of_all_questions_shows_the_worst_first_and_what_is_left() -> 
                 float(np.degrees(question.required_deflection)), abs=5.01e-4
             )
             assert there == 0.4
+
+
+@pytest.mark.parametrize(
+    ("peak_deg", "limit_deg", "rate_deg", "gains", "not_known"),
+    usual(
+        [
+            (9.0, 0.9, 0.3, None, {"nozzle rate"}),
+            (14.0, 1.3, 1.0, GAINS, {"nozzle rate", "autopilot"}),
+        ],
+        0,
+    ),
+)
+def test_nothing_remains_of_a_limit_where_the_answer_is_not_known(
+    peak_deg, limit_deg, rate_deg, gains, not_known
+) -> None:
+    """An upper bound is above the limit: the dynamic pressure at a head wind's peak throughout.
+
+    In a wind of 14 deg no limit survives with that pressure, which is no answer either.
+    """
+    wind = tv.ShapedWind("triangular", peak=np.radians(peak_deg), duration=7.5)
+    nozzle = tv.Nozzle(limit=np.radians(limit_deg), rate_limit=np.radians(rate_deg))
+    result = found_for(None, wind=wind, nozzle=nozzle, design=gains, sign="head")
+    rows = {text(row[0]): [text(cell) for cell in row[1:]] for row in questions_table(result).rows}
+    assert {name for name, row in rows.items() if row[0] == "NOT KNOWN"} == not_known
+    assert {name for name, row in rows.items() if not row[3]} == not_known
+    if "autopilot" in not_known:
+        _, required, _, _, why = rows["autopilot"]
+        assert required == ""
+        assert why.startswith("autopilot requirement: no limit that was tried survives, with the")
 
 
 def test_too_few_cases_are_no_yes() -> None:

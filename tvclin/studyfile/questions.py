@@ -175,6 +175,8 @@ def all_yes(findings: Findings) -> bool:
 
 _NOT_KNOWN_AT_PEAK = "not known with the dynamic pressure at the peak of a head wind"
 """Reason where a plant is not known at the pressure of a head wind that sets the requirement."""
+_FLOWN = "flown with its stop"
+"""Reason of an answer that rests on flights of the autopilot with the limit as its stop."""
 _IN_THE_WIND = (
     *("wind", "nozzle rate", "load", "probability", "autopilot", "flexible flight"),
     *(_TURBULENCE, _TURBULENCE_RATE, _TURBULENCE_LOAD),
@@ -321,7 +323,10 @@ def _flight(findings: Findings) -> Question:
     reserve = "; remaining beyond the reserve, which is required too" if total.reserve else ""
     line: Line = (flight, reserve)
     if total.sufficient is None:
-        line = (f"required deflection of {flight} not known {', '.join(total.not_sized)}",)
+        line = (
+            f"required deflection of {flight} not known {', '.join(total.not_sized)}; the required"
+            " value is where the winds are known",
+        )
     limit = findings.study.limit
     angle_is_sufficient = limit is None or covers(limit, total.required)
     if total.too_slow and angle_is_sufficient:
@@ -451,15 +456,16 @@ def _autopilot(findings: Findings, limit: float) -> Question:
         why: Line = (f"{_reason(findings, 'stop')}; ", *free)
         return Question(name, within, why, required_deflection=peak, whose=whose)
     yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
-    line: Line = ("flown with its stop; ", *free)
+    line: Line = (f"{_FLOWN}; ", *free)
     if np.isinf(nominal):
         line = ("no limit that was tried survives; ", *free)
     elif requirement.head is not None:
         whose += f", by the bound for a {findings.study.direction} wind"
         at_nominal = degrees("answer.calm", nominal, unit="deg")
-        line = ("flown with its stop", _at_peak(findings), *at_nominal, "; ", *free)
+        flown = "no limit that was tried survives" if np.isinf(requirement.deflection) else _FLOWN
+        line = (flown, _at_peak(findings), *at_nominal, "; ", *free)
     elif yes is None:
-        line = (f"{_NOT_KNOWN_AT_PEAK}; flown with its stop at the nominal one; ", *free)
+        line = (f"{_NOT_KNOWN_AT_PEAK}; {_FLOWN} at the nominal one; ", *free)
     required = nominal if np.isinf(nominal) else requirement.deflection
     return Question(name, yes, line, required_deflection=required, whose=whose)
 

@@ -284,11 +284,16 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
     """Return the row of a question in the table of answers, six cells.
 
     They are its name, the answer, three cells of its measure (empty without one; required,
-    available, surplus), and the reason after the name of the required quantity.
+    available, remaining), and the reason after the name of the required quantity. Where the answer
+    is not known the required value is a bound or an estimate: what remains of it, and that none is
+    sufficient by it, are no answers and stay empty.
     """
     cells: tuple[Line, ...] = (("",),) * 3
     if question.measure is not None:
         cells = measured(f"answer.{question.name.replace(' ', '_')}", question.measure)
+        if question.yes is None:
+            required = cells[0] if np.isfinite(question.measure.required) else ("",)
+            cells = (required, cells[1], ("",))
     quantity = f"{question.quantity}: " if question.quantity else ""
     return ((question.name,), (answer,), *cells, (quantity, *question.line))
 
