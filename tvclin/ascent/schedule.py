@@ -26,6 +26,8 @@ from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
 _MIN_B = 1e-9
 """Smallest |B| of plants: without a moment of the air coefficients do not give the path."""
+_ARM_ROUNDING = 1e-9
+"""Aerodynamic arm over the largest of a flight, up to which it counts as zero."""
 _ACTUATOR = ("actuator_frequency", "actuator_damping")
 """Names of the fields of the actuator."""
 _MAX_ROWS = 100_000
@@ -214,7 +216,7 @@ class FlightSchedule(Shown):
         times at which it is zero within rounding do not count.
         """
         arm = np.broadcast_to(np.asarray(self.vehicle.aerodynamic_arm), self.times.shape)
-        times, signed = self.times, np.flatnonzero(np.abs(arm) > _MIN_B * np.abs(arm).max())
+        times, signed = self.times, np.flatnonzero(np.abs(arm) > _ARM_ROUNDING * np.abs(arm).max())
         # rows after which the arm has the other sign
         at = signed[:-1][arm[signed[:-1]] * arm[signed[1:]] < 0.0]
         zeros = times[at] + arm[at] / (arm[at] - arm[at + 1]) * (times[at + 1] - times[at])

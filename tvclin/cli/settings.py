@@ -276,9 +276,9 @@ def field_key(option: str) -> str | None:
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name
 
-    # without units: first the option's own key, then keys that may not be set beside it
-    first, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))
-    return next((k.name for k in all_keys() if quantity_name(k.name) == first), None)
+    # without unit; behind it are the keys that the option excludes
+    own_key, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))
+    return next((k.name for k in all_keys() if quantity_name(k.name) == own_key), None)
 
 
 def _field_keys() -> dict[str, tuple[str, ...]]:

@@ -64,14 +64,15 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
     """
     lengths, n = np.asarray(times, float), A.shape[-1]
     sizes = np.abs(A) + np.abs(noise)
-    links = sizes if sizes.ndim == 2 else sizes.max(axis=0, initial=0.0)
-    moving = np.flatnonzero(np.any(links, axis=0) | np.any(links, axis=1))  # states with a link
-    if moving.size < n:  # the others keep their values and act on none
+    couplings = sizes if sizes.ndim == 2 else sizes.max(axis=0, initial=0.0)
+    moving = np.flatnonzero(np.any(couplings, axis=0) | np.any(couplings, axis=1))
+    if moving.size < n:  # the other states are constant and act on none
         F, Q = np.tile(np.eye(n), (lengths.size, 1, 1)), np.zeros((lengths.size, n, n))
         row, column = moving[:, np.newaxis], moving
         moved = steps(A[..., row, column], noise[..., row, column], lengths)
         F[:, row, column], Q[:, row, column] = moved
         return F, Q
+    # states over powers of two, `scale`, with which rows and columns of A have similar norms
     _, scale = balanced(np.abs(A) if A.ndim == 2 else np.abs(A).max(axis=0, initial=0.0))
     A, noise = A * (scale / scale[:, np.newaxis]), noise / np.multiply.outer(scale, scale)
     norm = np.abs(A).sum(axis=-2).max(axis=-1, initial=0.0)

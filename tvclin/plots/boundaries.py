@@ -512,10 +512,10 @@ def _panel(
 ) -> list[Column]:
     """Return the curves of boundary limits y_BR for one dead band, by equations and by flights.
 
-    `panel`: heading. `name`: name of the vehicle. `K`: the dead band. `x`: durations tau beta,
-    ``(n,)``. `durations`: of flights with a frozen vehicle, and along the flight. `engine`:
-    name of the engine of flights. Flights have values at their durations alone, NaN elsewhere; the
-    planar engine also flies a frozen vehicle at the durations along the flight.
+    `panel`: heading. `name`: name of the vehicle. `K`: the dead band. `x`: durations tau beta of
+    the curves, ``(n,)``. `durations`: those of flights with a frozen vehicle, and along the flight,
+    among `x`; flights are NaN at others. `engine`: name of the engine of flights. The planar engine
+    also flies a frozen vehicle at the durations along the flight.
     """
     c = Coefficients.from_vehicle(load_vehicle(name))
     limits_of = {
@@ -525,11 +525,12 @@ def _panel(
     frozen, along = durations
     for flown_by in _engines(engine):
         flown_at = frozen if flown_by == engine else along
-        limits = [flown_limit(name, b, K, engine=flown_by) for b in flown_at.tolist()]
+        limits = [flown_limit(name, tau_beta, K, engine=flown_by) for tau_beta in flown_at.tolist()]
         limits_of[_flown(flown_by)] = _at(x, flown_at, limits)
     for label, (plane, peak) in ALONG.items():
         limits = [
-            flown_limit(name, b, K, plane=plane, peak=peak, along=True) for b in along.tolist()
+            flown_limit(name, tau_beta, K, plane=plane, peak=peak, along=True)
+            for tau_beta in along.tolist()
         ]
         limits_of[label] = _at(x, along, limits)
     return [Column(label, values, panel=panel) for label, values in limits_of.items()]

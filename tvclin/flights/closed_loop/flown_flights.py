@@ -300,19 +300,19 @@ def fly_together(
             for name in FlownCases.__dataclass_fields__
         }
     )
-    # Undecided flights are flown anew to a later end, their `further` flight, if they have one:
-    # `owner` is the index of the flight to which a wind belongs
-    owner = np.searchsorted(winds, which, side="right") - 1
+    # Undecided flights are flown anew to a later end: their flight's `further` one, if it has one.
+    flight = np.searchsorted(winds, which, side="right") - 1  # index of the flight of each wind
     undecided = flown.status == UNDECIDED
-    owners = [k for k in np.unique(owner[undecided]).tolist() if flights[k].further is not None]
-    cases = np.flatnonzero(undecided & np.isin(owner, owners))
+    going_on = [k for k in np.unique(flight[undecided]).tolist() if flights[k].further is not None]
+    cases = np.flatnonzero(undecided & np.isin(flight, going_on))
     if not cases.size:
         return flown
-    further_flights = [further for k in owners if (further := flights[k].further) is not None]
-    # `begins`: first wind of each of these among theirs; `positions`: of the winds that go on
-    begins = np.cumsum([0, *np.diff(winds)[owners[:-1]]])
-    positions = which[cases] - winds[owner[cases]] + begins[np.searchsorted(owners, owner[cases])]
-    continued = fly_together(further_flights, positions, limit[cases], rate_limit[cases])
+    further_flights = [further for k in going_on if (further := flights[k].further) is not None]
+    # the same winds, counted from the first wind of the first of `further_flights`
+    further_winds = np.cumsum([0, *np.diff(winds)[going_on[:-1]]])  # first wind of each of these
+    in_flight = which[cases] - winds[flight[cases]]
+    renumbered = further_winds[np.searchsorted(going_on, flight[cases])] + in_flight
+    continued = fly_together(further_flights, renumbered, limit[cases], rate_limit[cases])
     columns = {name: np.array(values) for name, values in vars(flown).items()}
     for name, values in columns.items():
         values[cases] = getattr(continued, name)
