@@ -443,7 +443,7 @@ class LoadLimits:
         low = max(float(np.max(np.abs(free) - limit * constant)), self.minimum_load)
         load = max(low, _MIN_START_LOAD * self.load_of_minimum)
         for _ in range(6):  # Newton steps from below, along tangents of the lower bound `proof`
-            _, proof, slope = self.at(load)
+            _, proof, slope = self.at(load)  # adds the controls that it computes to `points`
             if proof - limit <= RELATIVE_GAP * limit or not slope:
                 break
             load += (proof - limit) / slope

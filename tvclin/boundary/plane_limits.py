@@ -109,7 +109,7 @@ def two_plane_requirement(
     """Return the requirement of one wind in two planes, for each dead band K of `bands`.
 
     `pair`: plants and wind. `limit_shape`: of the nozzle. `literal`: whether the exit of the dead
-    band is on trim, not on the wind.
+    band is on trim, not on the wind. `InputError` for a wind that turns where b1 is negative.
     """
     scalar_case = _scalar_case(pair)  # plant and wind along one direction, None in other cases
     if scalar_case is not None:
@@ -118,7 +118,7 @@ def two_plane_requirement(
         ]
     _check_turning(pair, max(bands))
     onset, warning = np.asarray([float(pair.wind.onset)]), ""
-    # of one unstable mode in each plane: the constant deflection from the onset on
+    # minimum of any control; with one unstable mode in each plane it is constant from the onset on
     minimum = float(limit_shape.inside.gauge(pair.wind_demand(onset))[0])
     if max(poles.size for poles in pair.poles) > 1:
         optimum = minimum_in_planes(pair, limit_shape.inside)

@@ -161,7 +161,7 @@ class Commands(TyperGroup):
         return _listed(cmd_name) if cmd_name in NAMES else None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the name, the command and the arguments of a command line."""
+        """Return name, command and arguments of a command line, --set KEY VALUE as KEY=VALUE."""
         from tvclin.cli.settings import joined
 
         name, _, rest = super().resolve_command(ctx, args)

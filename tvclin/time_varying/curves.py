@@ -178,21 +178,22 @@ class Curves:
     def _crossings(self, case: IndexArray, step: IndexArray) -> tuple[IndexArray, FloatArray]:
         """Return the cases and positions in steps at which trim crosses the demand.
 
-        The demand is the limit sufficient when held from then on. `case`, `step`: pairs of the
-        index of a wind and of a step, in which crossings are searched, one in each half.
+        The demand is the limit sufficient when held from then on. `case`, `step`: index of the wind
+        and of the step of each of n steps. Each half of them that has a crossing returns one.
         """
-        gap = self.trim[case, step] - self.demand[case, step]  # at begin, middle and end
-        which, half = np.nonzero(gap[:, :-1] * gap[:, 1:] < 0.0)  # half of the step: 0 or 1
-        rising, low = np.sign(gap[which, half + 1]), step[which] + 0.5 * half
-        case = case[which]
+        gap = self.trim[case, step] - self.demand[case, step]  # at begin, middle, end, (n, 3)
+        row, half = np.nonzero(gap[:, :-1] * gap[:, 1:] < 0.0)  # half of the step: 0 or 1
+        rising, low = np.sign(gap[row, half + 1]), step[row] + 0.5 * half
+        case = case[row]
 
         def rises(position: FloatArray, k: IndexArray) -> FloatArray:
-            """Return trim minus demand [rad], rising, at a position in steps."""
+            """Return trim minus demand [rad], times -1 where it falls, at positions in steps."""
             gap = self.trim_at(case[k], position) - self.demand_at(case[k], position)
             return np.asarray(rising[k] * gap)
 
         if not case.size:
             return case, low
+        # up to just before the end of the half, a position that may count in the next step
         return case, roots_between(low, np.nextafter(low + 0.5, -np.inf), rises)
 
     @property

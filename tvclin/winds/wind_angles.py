@@ -226,7 +226,7 @@ def angles_from_speed(
         errors.number("heading", heading, errors.directions, "rad"), float(attitude)
     )
     wind = errors.number("speed", speed, unit="m/s")
-    # the sines of both angles per V_w/V_R have the path's factor: eq (B1e) with a path of 90 deg
+    # eq (B1e) has sin(gamma) as a factor, which `sines` contain: so its gamma is 90 deg here
     pitch, yaw = (float(angle_from_speed(wind * sine, velocity, np.pi / 2)) for sine in sines)
     if (size := np.degrees(np.hypot(pitch, yaw))) >= 90.0:
         raise errors.NotKnownError(

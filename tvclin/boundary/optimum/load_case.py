@@ -34,8 +34,8 @@ from tvclin.winds.histories import History
 _NEGLIGIBLE_SHARE = 1e-12
 """Share of the load, relative to the largest, below which a stable mode is neglected."""
 _NAME = "angle_of_attack"
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-_FRACTIONS, _SHARES = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)  # of Gauss quadrature on (-1, 1)
+_GAUSS_FRACTIONS, _GAUSS_WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0  # on (0, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,10 +243,10 @@ class LoadWeights:
         """Return the numbers A and N of the lower bound (weighted load - A)/N of the peak.
 
         A = INT h delta_0 dt + rate INT |K| dt [rad] and N = INT |h - K'| dt. INT h eta dt is the
-        weighted sum of the loads of a deflection eta, delta_0 the reference deflection, and K the
-        multiplier of the rate limit. `reference`: delta_0 in the cells [rad], ``(n,)``.
-        `rate_prices`: prices of the rate limit in the cells, ``(n,)``, or None without one; K' = h
-        where a price is not zero.
+        weighted sum of the loads of a deflection eta, so that h [1/s] (`_density`) weighs eta;
+        delta_0 is the reference deflection, and K the multiplier of the rate limit. `reference`:
+        delta_0 in the cells [rad], ``(n,)``. `rate_prices`: prices of the rate limit in the cells,
+        ``(n,)``, or None without one; K' = h where a price is not zero.
         """
         n = self.widths.size
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))  # h at both ends of each cell
@@ -256,8 +256,8 @@ class LoadWeights:
         # and of h times the time since the begin of the cell [s]
         areas, first = np.zeros((2, n)), np.zeros(n)
         for k, (low, high) in enumerate(((np.zeros(n), root), (root, np.ones(n)))):
-            x = low[:, np.newaxis] + (high - low)[:, np.newaxis] * _FRACTIONS
-            h = self._density(x) * _SHARES * ((high - low) * self.widths)[:, np.newaxis]
+            x = low[:, np.newaxis] + (high - low)[:, np.newaxis] * _GAUSS_FRACTIONS
+            h = self._density(x) * _GAUSS_WEIGHTS * ((high - low) * self.widths)[:, np.newaxis]
             areas[k] = h.sum(axis=1)
             first += (h * x).sum(axis=1) * self.widths
         area, size, used = areas.sum(axis=0), np.abs(areas).sum(axis=0), 0.0

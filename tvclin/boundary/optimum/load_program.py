@@ -166,10 +166,10 @@ class LoadProgram:
         """Equality rows, sparse, of the modes' states, and their right sides ``(rows,)``.
 
         Variables: the deflections, the states z at the nodes but the first, where z is zero, and
-        the minimised one. Rows join the states at neighbouring nodes, and set the final ones. With
-        weights w over a cell an unstable mode is z(start) = decay z(end) - |s| (w_start eta(start)
-        + w_end eta(end)), a stable one z(end) = decay z(start) + |s| (...); eta is the deflection
-        minus the reference. `column` and `matrix` of the case make real numbers of complex pairs.
+        the minimised one. Rows join the states at neighbouring nodes, and set the final ones. An
+        unstable mode s is z(start) = decay z(end) - |s| (w_start eta(start) + w_end eta(end)), a
+        stable one z(end) = decay z(start) + |s| (...), with `convolution_weights` w [s] and eta,
+        the deflection minus the reference. `column` and `matrix` make reals of complex pairs.
         """
         from scipy import sparse
 
@@ -195,6 +195,7 @@ class LoadProgram:
             ]
         )
         rows = sparse.vstack([between, final])
+        # no row contains the minimised variable, the last one
         rows = sparse.hstack([rows, sparse.csr_matrix((rows.shape[0], 1))]).tocsr()
         right = (start + end) * self.reference[:, np.newaxis]
         return rows, np.append(right.ravel(), final_states * self.reference[-1]) / self._unit

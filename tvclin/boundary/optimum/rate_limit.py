@@ -118,13 +118,13 @@ class RateProgram:
         return np.append(0.0, result.x[: self.nodes.size - 1]), prices
 
     def minimum_motion(self, peak: float) -> FloatArray | None:
-        """Return the deflection of least total change within a peak, at the k nodes, over `unit`.
+        """Return the deflection of least total change within `peak`, at the k nodes, over `unit`.
 
-        `unit` is the unit [rad] of the program's values, `peak` the bound in it. None if
-        infeasible. A linear program satisfies the conditions to its tolerance, 1e-7: each further
-        one corrects the solution, for 1e8 times its residual.
+        `unit` is the unit [rad] of the program's values, and of `peak`. None if infeasible. A
+        program satisfies the conditions to 1e-7. So further programs, with the residual times
+        `_RESIDUAL_SCALE`, give corrections times that, to be added.
         """
-        # that of minimum peak if the bound is below it by rounding
+        # the deflection of minimum peak where `peak` is below the minimum by rounding
         result = self._solve(_MOTION, peak) or self._solve(_PEAK)
         if result is None:
             return None
@@ -133,7 +133,7 @@ class RateProgram:
             correction = self._solve(_PEAK, around=solution, max_change=max_change)
             if correction is not None:
                 solution = solution + correction.x / _RESIDUAL_SCALE
-        return np.append(0.0, solution[: self.nodes.size - 1])
+        return np.append(0.0, solution[: self.nodes.size - 1])  # zero at the first node
 
     def minimum_rate(self) -> float:
         """Return the smallest rate limit [rad/s] at which some deflection survives, or inf.

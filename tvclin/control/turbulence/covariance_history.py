@@ -135,7 +135,7 @@ class CovarianceHistory(GaussianOutputs):
         return float(np.sqrt(max(np.sum(pairs), 0.0)))
 
     def crossings(self, limit: float, output: str = DEFLECTION) -> float:
-        """Return the expected number of crossings of +limit upwards and of -limit downwards.
+        """Return the expected number of crossings, over `times`, of +limit upwards and -limit down.
 
         `InputError` for an unknown output, one that jumps, and a limit, in the SI unit of the
         output, that is not positive.
