@@ -351,14 +351,15 @@ class LoadWeights:
         `area`, `first`, `size`: integrals over each cell of h, of h times the time [s] from its
         start, and of |h|, ``(n,)``. `ramp`: whether the rate limit binds in each cell, ``(n,)``.
         """
-        used = 0.0
+        integral = 0.0  # INT |K| dt
         edges = np.flatnonzero(np.diff(np.concatenate([[0], ramp, [0]])))
-        for low, high in edges.reshape(-1, 2):
-            w, areas = self.widths[low:high], area[low:high]
-            mean = areas.sum() / w.sum() if low else 0.0
-            K = -np.append(np.cumsum((areas - mean * w)[::-1])[::-1], 0.0)
-            inside = np.abs(K[1:] * w - first[low:high] + mean * w**2 / 2.0)
-            across = w * (np.abs(K[1:]) + np.abs(K[:-1])) / 2.0
-            used += float(np.where(K[1:] * K[:-1] < 0.0, across, inside).sum())
-            size[low:high] = abs(mean) * w
-        return self.case.rate * used
+        for begin, end in edges.reshape(-1, 2):  # cells of each ramp
+            w, areas = self.widths[begin:end], area[begin:end]
+            mean = areas.sum() / w.sum() if begin else 0.0  # of h: the constant; none at the onset
+            K = -np.append(np.cumsum((areas - mean * w)[::-1])[::-1], 0.0)  # at the nodes
+            # INT K dt = K_end w - INT t (h - mean) dt in a cell; trapezoid where K changes its sign
+            by_parts = np.abs(K[1:] * w - first[begin:end] + mean * w**2 / 2.0)
+            trapezoid = w * (np.abs(K[1:]) + np.abs(K[:-1])) / 2.0
+            integral += float(np.where(K[1:] * K[:-1] < 0.0, trapezoid, by_parts).sum())
+            size[begin:end] = abs(mean) * w  # |h - K'| is the constant
+        return self.case.rate * integral

@@ -471,12 +471,12 @@ class LineWinds:
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
         position = (knots - ends[0]) / length  # in steps
         onset = np.clip(position[:, 0], 0.0, np.nextafter(float(steps), 0.0))
-        # index of the first end of a step not before each knot, counted on from wind to wind, and
-        # how many lines of each wind begin at each end
-        first = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
-        first += (steps + 2) * np.arange(n)[:, np.newaxis]
-        begun = np.bincount(first.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
-        # the straight line of each wind on which each end of a step lies
+        # The straight line of each wind on which each end of a step lies: as many knots, less one,
+        # are not after this end. `next_end`: index of the first end not before each knot, as for
+        # all winds in one row, each with S + 2 places.
+        next_end = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
+        next_end += (steps + 2) * np.arange(n)[:, np.newaxis]
+        begun = np.bincount(next_end.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)
         line = np.clip(np.cumsum(begun, axis=1)[:, :-1] - 1, 0, k - 2)
         flat = line + k * np.arange(n)[:, np.newaxis]  # its index among those of all winds
         within = np.clip(ends, knots[:, :1], knots[:, -1:])
