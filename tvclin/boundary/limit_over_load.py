@@ -315,7 +315,7 @@ class LoadLimits:
 
     @cached_property
     def _minimum_load(self) -> tuple[float, float]:
-        """Minimum load |alpha + M delta| [rad] of any control, as computed, and its lower bound.
+        """Minimum load |alpha + M delta| [rad], M as in `LoadCase`, as computed, and lower bound.
 
         Each of five programs has finer nodes in time. By duality it proves that every control has
         peak >= bound - slope load (`lines`), which bounds the load of peaks up to

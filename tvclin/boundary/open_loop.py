@@ -125,13 +125,16 @@ def _bisected(
 ) -> FloatArray:
     """Return the highest limits that diverge after trim, ``(n,)``, by a grid and bisection.
 
-    L diverges if the minimum peak after trim up to K L exceeds it. `after`: the problem. `cases`: n
-    indices of its cases. `lower`: result if none above it diverges. `highest`: a limit that trim
-    never exceeds. All are normalised by B alpha_w,max, the trim of the peak on a fixed path.
+    L diverges if the minimum peak after trim up to K L exceeds it, K being the dead band. `after`:
+    the problem. `cases`: n indices of its cases. `lower`: result if none above it diverges.
+    `highest`: a limit that trim never exceeds. All are normalised by static trim.
     """
 
     def diverges(which: IndexArray, limits: FloatArray) -> BoolArray:
-        """Return whether limits ``(c, ...)`` diverge; `which`: c indices in `cases`, ``(c,)``."""
+        """Return whether limits ``(c, ...)`` diverge after trim, of the problem `after`.
+
+        `which`: c indices in `cases`, ``(c,)``.
+        """
         flat = limits.ravel()
         repeated = np.repeat(cases[which], limits.size // which.size)
         # the minimum peak after trim up to K L, or L itself where that is proved to be sufficient

@@ -134,7 +134,10 @@ def two_plane_requirement(
 
 
 def _check_turning(pair: PlanePair, K: float) -> None:
-    """Raise `InputError` for a wind of `pair` that turns where b1 < 0 and the dead band `K` > 0."""
+    """Raise `InputError` for a wind of `pair` that turns where b1 < 0 and the dead band `K` > 0.
+
+    -b1 [1/s] is the zero from deflection to attitude of a plant with drift.
+    """
     negative_b1 = [p.model != "fixed-path" and p.coefficients.b1 < 0.0 for p in pair.plants]
     if any(negative_b1) and K > 0.0 and not pair.wind.unidirectional:
         raise InputError(

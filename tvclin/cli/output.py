@@ -315,9 +315,10 @@ def lines(what: str) -> Progress:
     first: tuple[float, float] | None = None
 
     def tell(done: float, total: float) -> None:
-        """Print the fraction of the work that is done, of a total, unless a line is recent.
+        """Print how much of a total of the work, `what`, is done, unless a line is recent.
 
-        Nothing is printed before the work begins and when it is complete.
+        `last` is the time [s] of that line, `first` time and work of the first call. Nothing is
+        printed before the work begins and when it is complete.
         """
         nonlocal first, last
         now = monotonic()

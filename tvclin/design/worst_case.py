@@ -171,10 +171,10 @@ def worst_case(
 
     Notes
     -----
-    On a fixed path, with K = 1 and a wind of a single peak, the required deflection is B
-    alpha_w,max y(tau beta), and y rises with tau beta; so it rises or falls with each number by
-    itself, and a corner is the worst. The page on least gains has the proof. All other values are
-    searched.
+    On a fixed path, with K = 1 and a wind of a single peak, the required deflection is static trim
+    times the boundary limit y(tau beta), which rises with the duration tau times the pole beta; so
+    it rises or falls with each number by itself, and a corner is the worst. The page on least gains
+    has the proof. All other values are searched.
 
     Examples
     --------

@@ -456,10 +456,10 @@ def decided_by_flights(
     `equations`: of n cases, or common to all. `trim_and_demand`: deflections of trim, and limits
     sufficient when held from then on, over time. `limit`: the largest min(trim, demand) [rad],
     ``(n,)``; the lowest limits are fractions of it, or of trim where mu_alpha changes its sign.
-    Flights decide where trim reaches it with both signs, where the path drifts and is quick, or
-    trim crosses it more than once, and where mu_alpha changes its sign, since the demand of a
-    constant deflection is no bound then. Where two unstable modes are a pair for a while, `limit`
-    counts all of trim then, and flights may only require more, as trim after the wind may.
+    Flights decide where trim reaches `limit` with both signs, where the path drifts and is quick,
+    or trim crosses `limit` more than once, and where mu_alpha, the aerodynamic moment, changes its
+    sign: the demand of a constant deflection is no bound then. Where two unstable modes are a pair
+    for a while, `limit` counts all of trim then: only trim after the wind may require more.
     """
     two_signs, second_interval = (
         trim_and_demand.reaches_both_signs(limit),

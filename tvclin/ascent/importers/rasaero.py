@@ -74,9 +74,9 @@ def read_rasaero(
 
     Notes
     -----
-    N = q S dC_N/dalpha, eq (B1d), where q S is the drag over its coefficient, so that no area and
-    no atmosphere need be known. The drag stands for the axial force: they are equal at zero angle
-    of attack.
+    The normal force slope is q S dC_N/dalpha, eq (B1d), where q S is the drag over its coefficient,
+    so that no area and no atmosphere need be known. The drag stands for the axial force: they are
+    equal at zero angle of attack.
     """
     gimbal = number("gimbal_station", gimbal_station, finite, "m")
     times, inertias = _inertias(moment_of_inertia)

@@ -296,7 +296,7 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     if sufficient is not None and count > 2:
         shape = np.broadcast_shapes(shape, np.shape(sufficient))
         peaks = np.broadcast_to(sufficient, shape).ravel()
-    strength, poles = (
+    wind_ratios, poles = (  # of the residues at each pole, wind over deflection; and the poles
         np.broadcast_to(values, (*shape, count)).reshape(-1, count)
         for values in (wind_over_deflection(plant, poles), poles)
     )
@@ -309,7 +309,7 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     # estimated run time, which decides between compiled and plain code
     run(onset_integrals, work, which.size, ONSET_PLAIN * knots, ONSET_COMPILED * knots)
     with np.errstate(invalid="ignore"):
-        demands = -strength * (transforms if np.iscomplexobj(filled) else np.real(transforms))
+        demands = -wind_ratios * (transforms if np.iscomplexobj(filled) else np.real(transforms))
     return peaks_for_demands(poles, demands, peaks).reshape(shape)
 
 

@@ -146,8 +146,9 @@ def dispersed_flight(
     def changed(name: str, base: Any) -> Any:
         """Return a number over the flight, scaled or shifted by the dispersion of the case.
 
-        `name`: name of the parameter. `base`: its nominal values over the flight [SI]. Factor and
-        shift are those at the time of the campaign's vehicle.
+        `name`: name of the parameter, which is scaled if it is `relative`. `base`: its nominal
+        values over the flight [SI]. Factor and shift are those at the time of the campaign's
+        vehicle.
         """
         centre = float(nominal[name])
         if relative[name]:

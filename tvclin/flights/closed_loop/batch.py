@@ -386,11 +386,11 @@ class Timing(NamedTuple):
         """Return the timing of the samples of p vehicles.
 
         A delay is whole samples, `late`, and a rest, after which a command arrives within a sample.
-        Its parts, divided into `substeps` each, are then, in this order, that after the arrival,
-        which alone is there without a rest, and that before it.
-        `hardware`: gives the actuators. `shape`: shape of the batch of vehicles. `length`, `delay`:
-        sample periods and computing delays [s], ``(p,)``. `bandwidth` [1/s] is zero for an
-        actuator of second order, 1e100 without one.
+        The intervals are the sample itself, its part after the arrival, and with a rest its part
+        before that; each has `lengths` and a number of `substeps`. `hardware`: gives the actuators.
+        `shape`: shape of the batch of vehicles. `length`, `delay`: sample periods and computing
+        delays [s], ``(p,)``. `bandwidth` [1/s] is zero for an actuator of second order, 1e100
+        without one.
         """
         late, rest = split_delay(delay, length)
         parts = [length - rest, rest] if np.any(rest) else [length]

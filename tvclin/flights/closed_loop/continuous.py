@@ -311,9 +311,12 @@ def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the demand of the `loop` at `t` [s] is beyond the threshold."""
+        """Return by how much [rad] the demand of the `loop` at `t` [s] is beyond the threshold.
+
+        The demand counts in the direction `sign`; `regime.mode` is other than 0 if it is engaged.
+        """
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
-        if regime.mode:  # engaged: the end is below `release`, by a margin against chatter
+        if regime.mode:  # the end is below `release`, by a margin against chatter
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
         return demand - loop.law.engage * loop.limit
 

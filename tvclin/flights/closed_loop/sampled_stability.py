@@ -309,7 +309,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         return equilibrium_step(replace(batch, gain=np.asarray(gain), plant=plant))
 
     A_1, M_1 = step(0.0, 1.0), step(1.0, 1.0)  # without and with the law, nominal effectiveness
-    D_1, unit = M_1 - A_1, np.eye(len(A_1))
+    D_1, identity = M_1 - A_1, np.eye(len(A_1))
     if name == "effectiveness":
         dA = step(0.0, 2.0) - A_1
         dD = step(1.0, 2.0) - M_1 - dA
@@ -325,7 +325,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples
         M_1 = A_1 + delay * D_1
         change = delay * D_1 if name == "gain" else dA + delay * dD  # M_1 - M_0
-        product = np.linalg.solve(z * unit - M_1 + change, change)
+        product = np.linalg.solve(z * identity - M_1 + change, change)
         return np.asarray(np.trace(product, axis1=-2, axis2=-1))
 
     return response

@@ -138,8 +138,9 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     def followed(k: int, measured: Measurement) -> float:
         """Return the deflection [rad] of the actuator at step `k`, and update its state.
 
-        Its states `servo` move by the step matrices `free` and `driven` of states and command,
-        within the limits of rate, `max_rate` [rad/s], and deflection, `limit` [rad].
+        Its states `servo` move by the step matrices `free` and `driven` of states and the last
+        command, within the limits of rate, `max_rate` [rad/s], and deflection, `limit` [rad]. The
+        next command is that of the law, from the `measured` values.
         """
         nonlocal servo, last_command
         servo_next = free @ servo + driven * last_command
