@@ -420,8 +420,8 @@ def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> 
         if criterion.margin in MARGINS  # of the whole loop, not of a mode
         and abs(shortfall(criterion, getattr(margins, criterion.margin))) < _RELATIVE_TOLERANCE
     ]
-    limit = problem.crossover
-    if limit is not None and highest_crossover(margins) > (1.0 - _RELATIVE_TOLERANCE) * limit:
+    largest = problem.crossover  # largest crossover frequency [rad/s] that is permitted
+    if largest is not None and highest_crossover(margins) > (1.0 - _RELATIVE_TOLERANCE) * largest:
         active.append(CROSSOVER)
     equal = np.flatnonzero(deflections > (1.0 - _RELATIVE_TOLERANCE) * deflections.max())
     if equal.size > 1:

@@ -230,9 +230,10 @@ class LoadProgram:
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
         """Return inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
 
-        `aim`: the last variable, minimised, `PEAK` or `LOAD`. `bound`: load bound [rad], which
-        counts for `PEAK` alone. A minimised load also bounds deflections in wide cells
-        (`_static_bounds`): a fraction of the load is the largest deflection there.
+        Variables and bounds are in units of `_unit` [rad]. `aim`: the last variable, minimised,
+        `PEAK` or `LOAD`. `bound`: load bound [rad], which counts for `PEAK` alone. A minimised load
+        also bounds deflections in wide cells (`_static_bounds`): a fraction of the load is the
+        largest deflection there.
         """
         from scipy import sparse
 

@@ -250,7 +250,8 @@ def _polished(window: Window, switches: FloatArray) -> tuple[FloatArray, float]:
     # The moments of the deflection, limit sum of (-1)^k integral e, change with switch j by
     # 2 limit (-1)^j e(t_j), and with the limit by themselves for each relative change of it.
     fitted, demands = window.piece_moments(switches).sum(axis=1), window.constraints.demands
-    weights = fitted / window.sizes**2  # of the least-squares fit of the limit
+    # of the least-squares fit of the limit; `sizes` bound the L1 norms of the exponentials
+    weights = fitted / window.sizes**2
     limit = float(weights @ demands / (weights @ fitted))
     violation = window.violation(switches, limit)
     for _ in range(3 if switches.size else 0):

@@ -121,7 +121,8 @@ class Loop:
         Zero without poles.
         """
         servo = np.zeros(0) if self.actuator is None else np.roots(self.actuator.denominator)
-        poles = np.concatenate([servo, np.linalg.eigvals(self.memory[0])])
+        F, _ = self.memory  # of the law's states s' = F s + G m
+        poles = np.concatenate([servo, np.linalg.eigvals(F)])
         return float(np.abs(poles).max(initial=0.0))
 
     def measured(self, t: Any, states: FloatArray, regime: Regime | None = None) -> Measurement:

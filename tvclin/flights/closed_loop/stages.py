@@ -115,7 +115,7 @@ class Stages:
     @cached_property
     def times(self) -> FloatArray:
         """Times of the samples [s], the end of each flight included, ``(n,)``, flight by flight."""
-        numbers = np.arange(self.flight.size) - self.first[self.flight]
+        numbers = np.arange(self.flight.size) - self.first_sample[self.flight]
         return np.asarray(self.starts[self.flight] + self.period * numbers)
 
     @cached_property
@@ -124,7 +124,7 @@ class Stages:
         return np.repeat(np.arange(self.samples.size), self.samples + 1)
 
     @cached_property
-    def first(self) -> IntArray:
+    def first_sample(self) -> IntArray:
         """Index of the first sample of each flight, ``(f,)``."""
         return np.cumsum(np.append(0, self.samples[:-1] + 1))
 
@@ -158,7 +158,7 @@ class Stages:
         deflection [rad] and deflection rate [rad/s], ``(m,)``.
         """
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
-        vehicle = self.first[self.flight_of_wind[which]]
+        vehicle = self.first_sample[self.flight_of_wind[which]]
         numbers: Any = self._law_rows.view(np.recarray)
         laws = LawBatch(
             laws=(), numbers=numbers, chains=[chains], which=vehicle, sensors=self.sensors
@@ -386,7 +386,7 @@ class Stages:
         # a rounding before the end, so that a breakpoint there is not inside the sample
         ends = (self.times + self.period) * (1.0 - 1e-15)
         for k, times in enumerate(breaks):
-            of_flight = slice(self.first[k], self.first[k] + self.samples[k] + 1)
+            of_flight = slice(self.first_sample[k], self.first_sample[k] + self.samples[k] + 1)
             at = np.searchsorted(times, self.times[of_flight], side="right")
             inside = crossing | (at == np.searchsorted(times, ends[of_flight], side="left"))
             numbers[of_flight] = np.where(inside, before + at, -1)
@@ -478,7 +478,10 @@ class Stages:
         is_judged = np.zeros(self.times.size, bool)
         after, _ = self._judged  # sample of its flight after which each wind is judged
         for flight, sample in zip(self.flight_of_wind, after, strict=True):
-            start, last = self.first[flight], self.first[flight] + self.samples[flight]
+            start, last = (
+                self.first_sample[flight],
+                self.first_sample[flight] + self.samples[flight],
+            )
             is_judged[start + sample + JUDGED_SAMPLES : last + 1 : JUDGED_SAMPLES] = True
         judged, width = np.flatnonzero(is_judged), self.steps.joint.shape[2]
 
@@ -526,7 +529,7 @@ class Stages:
         two more judgements, from the first sample on at the earliest.
         """
         h, flight = self.period, self.flight_of_wind
-        samples, ends = self.samples[flight], self._ends[0] - self.first[flight]
+        samples, ends = self.samples[flight], self._ends[0] - self.first_sample[flight]
         # of `plants` those at the ends of winds and of flights follow those at the breakpoints
         criteria, begin = outcome_criteria(self.plants), sum(map(np.size, self.vehicle_breaks))
         # reach is NaN without one or two real unstable poles; such flights have no outcome
@@ -549,7 +552,7 @@ class Stages:
         samples = self.samples[flight]  # number of samples in the flight of each wind
         # samples from the start of a flight to the end of its wind, in time counted in periods
         ends = samples_in(wind_end - self.starts[flight], np.array(self.period))
-        return self.first[flight] + np.stack([np.minimum(ends, samples), samples])
+        return self.first_sample[flight] + np.stack([np.minimum(ends, samples), samples])
 
     def _cases(self, batch: Batch) -> Cases:
         """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
@@ -613,7 +616,9 @@ class Stages:
         flight, (knots, _) = self.flight_of_wind, self._pieces  # knots by wind [s]
         inside = np.floor((knots - self.starts[flight, np.newaxis]) / self.period)  # sample of each
         # of each flight the number of samples, and the index of its first among those of all
-        samples, firsts = (a[flight, np.newaxis, np.newaxis] for a in (self.samples, self.first))
+        samples, firsts = (
+            a[flight, np.newaxis, np.newaxis] for a in (self.samples, self.first_sample)
+        )
         neighbours = inside[..., np.newaxis] + np.array([-1, 0, 1])
         is_flown = (neighbours >= 0) & (neighbours <= samples)
         return np.unique((firsts + np.where(is_flown, neighbours, 0))[is_flown]).astype(np.int64)

@@ -293,7 +293,8 @@ class Sizing(Tabled):
             f"below {self.schedule.altitude_text(first)}": np.any(early),
             _interval(rest): rest.size > 0,
         }
-        # head and tail winds are computed for the largest dead band alone
+        # head and tail winds are computed for the largest dead band alone; `unsigned`: whether
+        # their effect is not known
         if self.unsigned is not None and requirement.dead_band == self.dead_bands[0]:
             times = self.times[self.unsigned.any(axis=1)]
             words[f"at the dynamic pressure encountered {_interval(times)}"] = times.size > 0
