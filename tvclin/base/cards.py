@@ -236,7 +236,10 @@ class Columns:
         return make(variables, coords=coordinates, attrs=dict(self.about))
 
     def _broadcast_axes(self, column: Column) -> AnyArray:
-        """Return the values of a `column` in units of CSV, broadcast to all axes of the table."""
+        """Return the values of a `column` in units of CSV, in a shape that broadcasts to all axes.
+
+        It has a length of one along axes of the table on which the column does not depend.
+        """
         values, axes = np.asarray(column.values), column.axes
         if column.unit == "rad":
             values = np.degrees(values)

@@ -113,7 +113,10 @@ def note_omissions(case: Case, *questions: str, tables: Collection[str] = ()) ->
 
 
 def note_nominal_pressure(case: Case) -> None:
-    """Print on stderr that an answer is at nominal dynamic pressure, and a head wind's rise."""
+    """Print on stderr that an answer is at nominal dynamic pressure, and how much higher it may be.
+
+    Nothing for a case with the sign of its wind.
+    """
     from tvclin.requirement.study import nominal_pressure  # late: with all of a study
 
     for words in nominal_pressure(case) if case.sign is None else ():

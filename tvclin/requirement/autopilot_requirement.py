@@ -150,9 +150,9 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     """Return a case with its vehicle at the largest dynamic pressure encountered in its wind.
 
     `need`: requirement of the case, with the plane and the direction of the wind that counts.
-    `size`: factor on the wind. The gust has its time in the case's own plane, as an autopilot is
-    flown. `InputError` for a plant in state space, known at nominal pressure alone, and where
-    `need` does not know the pressure encountered.
+    `size`: factor on the wind. A gust is at the time at which an autopilot is flown, that of
+    `case.wind_in_plane`. `InputError` for a plant in state space, known at nominal pressure alone,
+    and where `need` does not know the pressure encountered.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 

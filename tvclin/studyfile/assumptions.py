@@ -311,8 +311,8 @@ def loop_notes(findings: Findings) -> Iterator[str]:
         return
     from tvclin.case.flexible_autopilot import actuator_notes, gain_notes  # late: designs
 
-    # turbulence without a question of margins, and gains of a rule by default: what turbulence
-    # adds to the requirement, and the margins of these gains
+    # with turbulence alone and the default gains: the part of turbulence in the deflection, and
+    # then notes on the margins of these gains
     if air is not None and margins is None and plan.autopilot_design.unspecified:
         yield (
             f"{air.label} of turbulence are {np.degrees(air.sigmas * air.deflection_rms):.3f} deg"

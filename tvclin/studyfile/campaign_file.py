@@ -197,8 +197,8 @@ def _along(
     """Return the flight and the autopilot of a campaign along a flight.
 
     `document`: tables of the file; `folder`: where the files that it names are. `design`: autopilot
-    design; None for canonical gains. `nozzle`: nozzle with its actuator. `subject`: vehicle, model
-    and plane by field. A rule for the gains is applied at even flight times, of `every_s` in
+    design; None for `canonical_gains`. `nozzle`: nozzle with its actuator. `subject`: vehicle,
+    model and plane by field. A rule for the gains is applied at even flight times, of `every_s` in
     [size].
     """
     flight: FlightSchedule = flight_of(document, folder)["schedule"]

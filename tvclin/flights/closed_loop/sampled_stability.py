@@ -228,6 +228,8 @@ _MIN_FREQUENCY_OVER_POLE = 1e-4
 """Lowest frequency of the angles, over the fastest pole of the plant."""
 _ZERO_ANGLE = 1e-12
 """Angle that replaces zero, where an integrator is infinite."""
+_MIN_GAIN_FACTOR = 1e-12
+"""Factor on the gain up to which it is that of an integrator at zero, which limits nothing."""
 _MAX_IMAGINARY_OVER_REAL = 1e-3
 """Largest imaginary part of a real crossing, over its real part; near an integrator it is 1e12."""
 _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
@@ -252,7 +254,7 @@ def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, fl
     factors = 1.0 / values[is_real].real
     fall = factors[(factors > 0.0) & (factors < 1.0)].max(initial=0.0)
     rise = factors[factors > 1.0].min(initial=np.inf)
-    reduction = 1.0 / fall if fall > _ZERO_ANGLE else np.inf  # an integrator's factor is about zero
+    reduction = 1.0 / fall if fall > _MIN_GAIN_FACTOR else np.inf
     return float(reduction), float(rise)
 
 
