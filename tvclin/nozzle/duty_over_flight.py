@@ -223,7 +223,7 @@ def flight_duty(
     )
     points: list[DutyPoint] = []
     # pulses are the first of the winds; without a heading each is flown as head and tail wind
-    signed = [pulse.heading is None for pulse in request.pulses(case)]
+    signed_pulses = [pulse.heading is None for pulse in request.pulses(case)]
     unknown: dict[str, dict[float, str]] = {}
     angles = dict.fromkeys(winds, 0.0)
     pairs = [(i, j, name) for i in range(times.size) for j, name in enumerate(winds)]
@@ -243,8 +243,8 @@ def flight_duty(
             if reasons:
                 unknown.setdefault(name, {})[time] = next(filter(None, reasons), "")
             angles[name] = max(angles[name], angle_at(placed, time))
-            sign = j < len(signed) and signed[j]
-            points += conditions.points(i, time, name, placed, sign, _measured(wind))
+            signed = j < len(signed_pulses) and signed_pulses[j]
+            points += conditions.points(i, time, name, placed, signed, _measured(wind))
             if progress is not None:
                 progress(done, len(pairs))
     unjudged = [

@@ -435,7 +435,10 @@ class KnownWind(Shown):
         return f"{WIND_KNOWN}: {peak}; {control} survives {wind} with less"
 
     def table(self, caption: str) -> Table:
-        """Return the table of the peak, its certificate, and the numbers it is compared with."""
+        """Return the table of the peak `best`, its certificate, and numbers to compare with it.
+
+        These are the peak with the rate limit (`limited`), trim, and a constant deflection.
+        """
         best, proof = self.best, self.best.certificate
         peak = degrees("optimum.peak", best.peak, unit="deg")
         if self.fraction_of_trim is not None:

@@ -611,7 +611,7 @@ class FlightsOfLoop:
 
     @property
     def verdict(self) -> str:
-        """Verdict on all flights, with the worst."""
+        """Verdict on all flights with the limit, the worst, and the fraction that survived."""
         worst = self.worst_outcome
         limit = f"{np.degrees(self.limit):.3f} deg"
         deflection, at = np.degrees(worst.peak_deflection), worst.peak_time

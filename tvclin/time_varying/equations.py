@@ -306,14 +306,15 @@ class Equations:
             """Return the rows of the cases, or a single row that all cases share."""
             return x if len(x) == 1 else x[cases]
 
-        modes = (modes if len(self.end) == 1 else modes.of(cases) for modes in self.modes)
+        # a single vehicle has the same modes in all cases
+        modes = (group if len(self.end) == 1 else group.of(cases) for group in self.modes)
         return Equations(
             nominal=selected(self.nominal),
             slopes=selected(self.slopes),
             end=selected(self.end),
             paired=selected(self.paired),
             quick_path=selected(self.quick_path),
-            modes=tuple(mode for mode in modes if mode.cases.size),
+            modes=tuple(group for group in modes if group.cases.size),
             reverses=selected(self.reverses),
             absolute_reach=selected(self.absolute_reach),
         )

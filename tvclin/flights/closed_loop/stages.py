@@ -478,10 +478,8 @@ class Stages:
         is_judged = np.zeros(self.times.size, bool)
         after, _ = self._judged  # sample of its flight after which each wind is judged
         for flight, sample in zip(self.flight_of_wind, after, strict=True):
-            start, last = (
-                self.first_sample[flight],
-                self.first_sample[flight] + self.samples[flight],
-            )
+            start = self.first_sample[flight]
+            last = start + self.samples[flight]
             is_judged[start + sample + JUDGED_SAMPLES : last + 1 : JUDGED_SAMPLES] = True
         judged, width = np.flatnonzero(is_judged), self.steps.joint.shape[2]
 

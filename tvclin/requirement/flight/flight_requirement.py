@@ -201,9 +201,10 @@ class FlightMode:
         several = unstable_modes_of(nominal[:, -1, 2, :, :order])
         constant = ~_reverses(reach, absolute_reach)  # winds after which p.b keeps its sign
         modes = [single]
-        for each in several:  # positions stay those in the batch of winds
-            which = constant[each.cases]
-            modes.append(UnstableModes(each.cases[which], each.poles[which], each.costates[which]))
+        for group in several:  # positions stay those in the batch of winds
+            which = constant[group.cases]
+            rows = (array[which] for array in (group.cases, group.poles, group.costates))
+            modes.append(UnstableModes(*rows))
         return Equations(
             nominal=nominal,
             slopes=E_slopes.reshape(*times.shape, 2, order, columns),
@@ -211,7 +212,7 @@ class FlightMode:
             # by a change of sign the modes are a pair for a while, which flights go through
             paired=np.where(changes[:, np.newaxis, np.newaxis], paired[:, -1:, -1:], paired),
             quick_path=np.any(quick, axis=(1, 2)),  # at any step
-            modes=tuple(each for each in modes if each.cases.size),
+            modes=tuple(group for group in modes if group.cases.size),
             reverses=reverses,
             absolute_reach=absolute_reach,
         )
