@@ -258,10 +258,8 @@ def _limit_after_trim(
     """Return the largest limit [rad] that diverges after trim up to K times it, else 0.
 
     `plant`, `wind`: one or a batch. `dead_band`: K. `smallest`: limits [rad] up to which the result
-    is zero, of its shape. Zero for K = 0, K = 1, fewer than two modes, and two that are a pair.
-
-    A limit L diverges if the minimum peak over all unstable modes, after trim up to K L, exceeds L.
-    Inside, limits are normalised by B alpha_w,max, static trim.
+    is zero, of its shape. Zero for K = 0, K = 1, fewer than two modes, and two that are a pair. A
+    limit L diverges if the minimum peak over all unstable modes, after trim up to K L, exceeds L.
     """
     poles, shape = unstable_poles(plant), smallest.shape
     if poles.shape[-1] < 2 or not np.any((dead_band > 0.0) & (dead_band < 1.0)):
@@ -269,9 +267,10 @@ def _limit_after_trim(
     pole, paired = leading_pole(plant)
     K = np.broadcast_to(np.where(paired, 1.0, dead_band), shape)  # 1: zero for a pair
     problem = ExitProblem(plant, wind, pole=pole, dead_band=K, shape=shape)
-    full = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
+    # limits are normalised by static trim [rad] from here on
+    static_trim = np.abs(np.asarray(plant.coefficients.B) * wind.peak)
     with np.errstate(divide="ignore", invalid="ignore"):  # no moment, nothing to trim
-        lower = np.broadcast_to(smallest / full, shape)
+        lower = np.broadcast_to(smallest / static_trim, shape)
     limits = lower.flatten()
     modes = separated_poles(np.broadcast_to(poles, (*shape, poles.shape[-1])))
     modes = modes.reshape(-1, modes.shape[-1])
@@ -285,4 +284,4 @@ def _limit_after_trim(
         if selected.size:
             limits[selected] = search(after, selected, limits[selected], highest[selected])
     limit = limits.reshape(shape)
-    return np.where(limit > lower, limit * full, 0.0)
+    return np.where(limit > lower, limit * static_trim, 0.0)

@@ -191,11 +191,10 @@ def _requirement_after_trim(
 ) -> float:
     """Return the largest limit [rad] that diverges after trim up to K times it, or `minimum`.
 
-    By L <- max(K L, m(L)) from the largest trim on, as in `open_loop`, m(L) being the minimum over
-    all unstable modes of both planes after trim up to K L. The rectangle of both planes' separate
-    minima is no less than m, and is tried first. `pair`: plants and wind. `limit_shape`: of the
-    nozzle. `K`: dead band. `literal`: whether its exit is on trim, not on the wind. `minimum`:
-    smallest result [rad].
+    By L <- max(K L, m(L)) from the largest trim on, m(L) being the minimum over all unstable modes
+    of both planes after trim up to K L; the rectangle of both planes' separate minima is no less,
+    and is tried first. `pair`: plants and wind. `K`: dead band. `literal`: whether its exit is on
+    trim, not on the wind. `minimum`: smallest result [rad].
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 

@@ -135,11 +135,10 @@ def print_tables(*tables: Table) -> None:
 def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """Print a table: labels and sentences aligned to the left, numbers to the right.
 
-    `title`: line above it. `headings`: of the columns. `rows`: cells of each row, as text. No
-    word is broken where the terminal is wide enough for the longest word of each column; rich alone
-    narrows the widest columns first and breaks words earlier. Headings are wrapped before cells.
-    Sentences of the last column that have too little room are printed below the table, each with
-    the label of its row.
+    `title`: line above it. `headings`: of the columns. `rows`: cells of each row, as text. No word
+    is broken where the terminal has room for the longest word of each column, unlike in rich alone;
+    headings are wrapped before cells. Sentences of the last column that have too little room are
+    printed below the table, each with the label of its row.
     """
     from rich.console import Console
 

@@ -370,11 +370,10 @@ def _final_attitude(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the constant [rad] and the rate [rad/s] of the attitude long after a wind, ``(...)``.
 
-    Both follow from the final value theorem, of the last coefficients of the transfer functions:
-    with D(0) other than zero the constant is their ratio at s = 0; with one pole at zero the
-    constant inputs give the rate and their integrals the constant, which is NaN where the attitude
-    ramps. Unstable modes do not count. `plant`: one plant or a batch. `deflection`, `wind`: its
-    inputs [rad].
+    By the final value theorem, without the unstable modes, D being the common denominator: if D(0)
+    is not zero the constant is the final inputs times the transfer functions at s = 0; with one
+    pole at zero these inputs give the rate, and their integrals the constant, NaN in a ramp.
+    `plant`: one plant or a batch. `deflection`, `wind`: its inputs [rad].
     """
     denominator, *numerators = plant.low_order_terms()
     static, slope = denominator[..., -1], denominator[..., -2]  # D = .. + slope s + static

@@ -503,12 +503,10 @@ def _knot_states(pieces: Pieces, pole: AnyArray) -> AnyArray:
 def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyArray) -> AnyArray:
     """Return y at the end of each piece of f, from y = 0 at its start, for y' = pole y + f.
 
-    Shape ``(..., m)``. `c`, `rates`: f of each piece is the sum of c_k u^k e^(rate u), with ``(...,
-    m, rates, degree + 1)`` and ``(..., rates)``. `widths`: ``(..., m)`` [s]. `pole`: ``(...)``
-    [1/s]. The integral from 0 to h of e^(p (h - v)) v^k e^(lambda v) dv is expanded from the start
-    of the piece where the rate decays faster than the pole, and from its end otherwise, so that no
-    exponential overflows: it is h^(k+1) e^(p h) M_k((p - lambda) h), with M_k of `moments`, or the
-    same of the recentred terms with v counted backward, whose odd powers change sign.
+    Shape ``(..., m)``. `c` ``(..., m, rates, degree + 1)``, `rates` ``(..., rates)``: f is the sum
+    of c_k u^k e^(rate u). `widths`: h [s], ``(..., m)``. `pole`: p [1/s], ``(...)``. A term adds
+    c_k h^(k+1) e^(p h) M_k((p - rate) h) with M_k of `moments`; where the rate does not decay
+    faster than the pole, expanded from the end of the piece, so that no exponential overflows.
     """
     order, width = c.shape[-1], widths[..., np.newaxis]
     gap = (pole[..., np.newaxis] - rates)[..., np.newaxis, :]
@@ -518,7 +516,7 @@ def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyAr
     first = c * moments(np.where(from_start, span, 0.0), order - 1)
     first = first * np.exp(pole[..., np.newaxis] * widths)[..., np.newaxis, np.newaxis]
     last = recentred(c, rates, widths) * moments(np.where(from_start, 0.0, -span), order - 1)
-    last = last * (-1.0) ** np.arange(order)
+    last = last * (-1.0) ** np.arange(order)  # powers of a time counted backward
     return (scale * np.where(from_start[..., np.newaxis], first, last)).sum(axis=(-2, -1))
 
 

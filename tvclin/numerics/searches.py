@@ -193,15 +193,12 @@ def _evolved(
 ) -> tuple[FloatArray, FloatArray]:
     """Return a pool of points ``(n, axes)`` and its values ``(n,)`` after `rounds`, best first.
 
-    A round adds points a + stride (b - c) within the unit box, a being one of the best points and b
-    and c any two of the pool; the best of all make the next pool. The random numbers are the same
-    in every call.
-
-    `values`: function from new points and the values of the pool to the values of the new points.
-    `points`, `costs`: the pool before, and its values. `per_round`: number of new points in a
-    round. `tolerance`: difference of the values of a pool below which it has converged.
+    A round adds `per_round` points a + stride (b - c) within the unit box, a being one of the best
+    and b and c any two of the pool; the best of all are the next pool. `values`: function from new
+    points and the pool's values to their values. `points`, `costs`: the pool before, and its
+    values. `tolerance`: difference of a pool's values below which it has converged.
     """
-    random = np.random.default_rng(0)
+    random = np.random.default_rng(0)  # the same numbers in every call
     for _ in range(rounds):
         order = np.argsort(costs, kind="stable")[:POOL]  # the best first
         points, costs = points[order], costs[order]

@@ -337,11 +337,10 @@ def _trials(
 ) -> tuple[LawTrial, ...]:
     """Return the trials of the requested laws in the standard winds, a trial for each law and wind.
 
-    `plan`, `study`: the study plan, and its study. `loop`: function that returns plant and
-    autopilot. `request`: names of laws and winds. `progress`: called with trials done and in total.
-
-    The laws are compared with boundaries, which have no actuator and no delay: a rigid vehicle
-    flies without them too, a vehicle with a structure with both and with the filters of its plan.
+    `loop`: function that returns plant and autopilot. `request`: names of laws and winds.
+    `progress`: called with trials done and in total. The laws are compared with boundaries, which
+    have no actuator and no delay: a rigid vehicle flies without them too, a vehicle with a
+    structure with both and with the filters of its plan.
     """
     from tvclin.design.standard_trials import law_trials, standard_laws, standard_winds
     from tvclin.linear.flexible import plant_of

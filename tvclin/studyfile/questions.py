@@ -238,8 +238,7 @@ def _rate(findings: Findings) -> Question:
     `findings`: results of a plan with a rate limit. Its trade-off of limit over rate has the lower
     bounds of every control, with the wind known and without a forecast: of the deflection [rad] at
     this rate, and of the rate [rad/s] with this limit. In a head wind that governs, yes stands on
-    the dynamic pressure at its peak throughout, too. `plane_ratio` makes a limit of this plane one
-    of both planes.
+    the dynamic pressure at its peak throughout, too.
     """
     name, trade_off = "nozzle rate", findings.rates
     if trade_off is None:
@@ -260,7 +259,7 @@ def _rate(findings: Findings) -> Question:
             f"the rate limit covers the bounds {NOMINAL}, and not the larger one with this limit"
         )
     line: Line = (words, *at_peak, "; a law may require more") if yes else (words, *at_peak)
-    required = trade_off.lower_bound * findings.study.plane_ratio
+    required = trade_off.lower_bound * findings.study.plane_ratio  # of all judged planes
     bounds = "the larger of both lower bounds"
     if at_peak:
         bounds = f"{bounds}, by the peak pressure of a {findings.study.direction} wind throughout,"

@@ -352,9 +352,8 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
 
     `table`: keys of the table `name`. `entry`: the table of the file, which is changed. `value`:
     new value; None removes the key. Keys of quantities that exclude this one are removed too. A
-    text with commas becomes a list, and a number becomes a text, where the table takes that.
-    `InputError` for a key that is not of the table, unless its keys are free: those of a flight in
-    [schedule], and spreads in the unit of their parameter.
+    text with commas becomes a list, and a number a text, where the table takes that. `InputError`
+    for a key that is not of the table, unless keys are free: in [schedule], and spreads.
     """
     free = name == "schedule" or (name == "dispersion" and key.startswith("spread"))
     if not free and key not in table.every_key:

@@ -276,11 +276,10 @@ def _from_grid(window: Window) -> SignedSum:
 def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
     """Return the sum of each of `guesses`, multipliers ``(n,)``, at its best scale and sign.
 
-    `window`: the n exponentials e_i of the poles, their `sizes`, and the demands d_i, which their
-    integrals times the deflection must equal. The dual value
-    lambda . d over the L1 norm of the sum, a bound of the peak, does not depend on the scale of
-    the multipliers lambda; the scale is that at which the L1 norm is equal to it. The sums ascend
-    by residual, not by the dual value, which does not change with very small multipliers.
+    `window`: n exponentials e_i of the poles, and demands d_i of their integrals times the
+    deflection. The multipliers lambda are scaled until the L1 norm of the sum equals the dual
+    value, lambda . d over that norm, a bound of the peak that no scale changes. The sums ascend by
+    residual, not by the dual value, which very small multipliers do not change.
     """
     trials = []
     for guess in guesses:

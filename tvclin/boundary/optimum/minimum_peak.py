@@ -432,11 +432,9 @@ def _pair_peak_bounds(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """Return upper bounds [rad] of `_pair_peaks`, ``(n,)``: demands over a bound of their norms.
 
     `poles`: s = sigma + j omega [1/s], ``(n,)``. `demands`: integrals of e^(-s t) delta dt that
-    cancel the modes [rad s], complex ``(n,)``.
-
-        integral |Re(e^(-s u - j phi))| du  >=  (1/sigma - 1/|sigma + 2j omega|)/2
-
-    over all u >= 0, which follows from ``|cos x| >= cos(x)^2`` at every phase phi.
+    cancel the modes [rad s], complex ``(n,)``. The norm, the integral of ``|Re(e^(-s u - j phi))|``
+    over all u >= 0, is at least ``(1/sigma - 1/|sigma + 2j omega|)/2`` at every phase phi, since
+    ``|cos x| >= cos(x)^2``.
     """
     sigma, omega = np.real(poles), np.imag(poles)
     return np.abs(demands) / (0.5 * (1.0 / sigma - 1.0 / np.hypot(sigma, 2.0 * omega)))

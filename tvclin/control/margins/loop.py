@@ -400,10 +400,9 @@ class SampledLoop(Loop):
         """Return the further delays [s] with which L = -1, ``(k, n)``; the smallest is exact.
 
         `omega` [rad/s], `phases` [rad]: gain crossovers and phase margins of k loops, ``(k, n)``.
-        `stable`: whether each is stable, ``(k,)``. A delay other than a whole number of samples
-        changes |L| as well. Newton's iteration solves ln L(omega, T) = ln(-1) for frequency and
-        delay; a whole sample is a factor of 1/z. Where the motion between samples is not known,
-        `delayed_form` is None, and a margin is the phase over the frequency.
+        `stable`: of each, ``(k,)``. Other delays than whole samples, factors 1/z, change |L| too:
+        Newton's iteration solves ln L(omega, T) = ln(-1) for frequency and delay. Without the
+        motion between samples (`delayed_form` is None) a margin is the phase over the frequency.
         """
         margins = phases % (2.0 * np.pi) / omega
         delayed_form = self.delayed_form  # loops by delays below a period, and their indices

@@ -325,11 +325,10 @@ class Stages:
     def _surface(self, sample: int, pressure: FloatArray) -> Surface | None:
         """Return the interpolant of the matrices in the interval of time that contains a sample.
 
-        Its range of dynamic pressure has the values `pressure`, q/q_n, and ends at multiples of
-        `_PRESSURE_RANGE`; a third variable is the change of pressure within a sample, in which the
-        matrices are linear. Interpolants are kept, and used again by flights with the same plants
-        (`alike`). `sample`: index of the sample. None where it does not converge, and for a range
-        in which a vehicle is impossible.
+        Its variables are time, dynamic pressure q/q_n, from a multiple of `_PRESSURE_RANGE` below
+        the values `pressure` to one above, and the change of it within a sample, in which matrices
+        are linear. It is kept for flights with the same plants (`alike`). `sample`: index of the
+        sample. None where it does not converge, and where a vehicle is impossible.
         """
         flight = int(self.flight[sample])
         breaks = self.vehicle_breaks[flight]
