@@ -62,10 +62,9 @@ if TYPE_CHECKING:
 
 
 def is_scheduled(case: Case, source: str) -> bool:
-    """Return whether the file `source` of a case has an autopilot over the flight.
+    """Return whether a case has an autopilot over the flight, not for a single flight time.
 
-    It has one with gains that vary, or with an autopilot for a file of the whole flight; not with
-    an autopilot for one flight time.
+    Its gains vary along the flight, or its file `source`, of the whole flight, specifies them.
     """
     if not isinstance(case, StudyPlan) or case.sizing is None:
         return False

@@ -370,7 +370,7 @@ def _refined(
             best, lowest = program, peak
         if change < _RELATIVE_CHANGE:
             break
-        program = replace(program, nodes=_with_corners(program, values, prices))
+        program = replace(program, nodes=_finer_nodes(program, values, prices))
     return best, lowest, max(change, 0.0)
 
 
@@ -392,7 +392,7 @@ def _first_nodes(constraints: Constraints, switches: FloatArray, steps: int) -> 
     return separate_nodes(np.minimum(np.concatenate(parts), last), gap)
 
 
-def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
+def _finer_nodes(program: RateProgram, values: FloatArray, prices: FloatArray) -> FloatArray:
     """Return the nodes [s], with more in intervals that are neither at the peak nor at full rate.
 
     `program`: on the present nodes. `values`: its deflection over `unit` at them, ``(k,)``.
@@ -402,20 +402,20 @@ def _with_corners(program: RateProgram, values: FloatArray, prices: FloatArray) 
     nodes, peak, slope = program.nodes, np.abs(values).max(), program.rate / program.unit
     at_peak = np.abs(values) > peak * (1.0 - _ACTIVE_DISTANCE)
     distance = _ACTIVE_DISTANCE * np.minimum(peak, program.steps)
-    # intervals at full rate, with the largest change (`steps`), and at one peak; elsewhere a finer
-    # deflection may be better
-    full = np.abs(np.diff(values)) > program.steps - distance
-    flat = at_peak[:-1] & at_peak[1:] & (values[:-1] * values[1:] > 0.0)
+    # intervals with the largest change (`steps`), and with the same peak at both ends; elsewhere a
+    # finer deflection may be better
+    at_full_rate = np.abs(np.diff(values)) > program.steps - distance
+    constant = at_peak[:-1] & at_peak[1:] & (values[:-1] * values[1:] > 0.0)
     decays = program.constraints.decays[:, np.newaxis]
-    # weight of a change of the deflection in each interval, by the prices of the conditions
-    worth = np.abs(prices) @ np.exp(-decays * nodes[:-1]) * np.diff(nodes)
-    loose = np.flatnonzero(~(flat | full) & (worth > _RELATIVE_CHANGE * worth.max()))
-    loose = loose[np.argsort(-worth[loose])[:_MAX_SPLIT_INTERVALS]]
-    first, last = nodes[loose], nodes[loose + 1]
+    # bound of what a change of the deflection in each interval gains, by the prices
+    gains = np.abs(prices) @ np.exp(-decays * nodes[:-1]) * np.diff(nodes)
+    split = np.flatnonzero(~(constant | at_full_rate) & (gains > _RELATIVE_CHANGE * gains.max()))
+    split = split[np.argsort(-gains[split])[:_MAX_SPLIT_INTERVALS]]
+    first, last = nodes[split], nodes[split + 1]
     new = [first + (last - first) * fraction for fraction in (0.25, 0.5, 0.75)]
-    for level_limit in (peak, -peak):  # where a line of full rate through an end meets the peak
-        new.append(first + np.abs(level_limit - values[loose]) / slope)
-        new.append(last - np.abs(level_limit - values[loose + 1]) / slope)
+    for level in (peak, -peak):  # where a line of full rate through an end comes to the peak
+        new.append(first + np.abs(level - values[split]) / slope)
+        new.append(last - np.abs(level - values[split + 1]) / slope)
     inside = [np.where((time > first) & (time < last), time, first) for time in new]
     fastest = np.abs(program.constraints.poles).max()
     gap = min(1e-6 / fastest, 1e-3 * peak / slope)  # [s]: nodes nearer than that are one

@@ -51,17 +51,20 @@ MINIMA = ("peak", "limit")
 """Deflections that gains may minimise."""
 _DEFAULT_DAMPING = 0.7
 """Damping ratio of rules that place poles, if none is specified."""
-_PAIR = ("natural_frequency", "damping")
+_POLE_PAIR = ("natural_frequency", "damping")
 """Numbers of the pole pair of the closed loop."""
 _DRIFT_PAIR = ("drift_frequency", "drift_damping")
 _WEIGHTS = ("alpha_weight", "drift_rate_weight", "drift_weight")
-_ONLY_RULE = {**dict.fromkeys(_DRIFT_PAIR, DRIFT_POLES), **dict.fromkeys(_WEIGHTS, "lqr")}
-"""The only rule that has a number, by the name of the number."""
-_PAIRS = {**dict.fromkeys(POLE_PLACEMENT_RULES, _PAIR), DRIFT_POLES: (*_PAIR, *_DRIFT_PAIR)}
-"""Numbers of the pole pairs of a rule, by its name."""
+_RULE_OF_NUMBER = {**dict.fromkeys(_DRIFT_PAIR, DRIFT_POLES), **dict.fromkeys(_WEIGHTS, "lqr")}
+"""Rule of a number that a single rule has, by the name of the number."""
+_PLACED_PAIRS = {
+    **dict.fromkeys(POLE_PLACEMENT_RULES, _POLE_PAIR),
+    DRIFT_POLES: (*_POLE_PAIR, *_DRIFT_PAIR),
+}
+"""Numbers of the pole pairs that a rule places, by its name."""
 _FREQUENCIES = ("natural_frequency", "drift_frequency")
 """Numbers of pole pairs that have no default."""
-RULE_PARAMETERS = ("design", *_PAIR, *_ONLY_RULE)
+RULE_PARAMETERS = ("design", *_POLE_PAIR, *_RULE_OF_NUMBER)
 RULE_KEYS = (*RULE_PARAMETERS, "crossover")
 GIVEN_GAINS = ("attitude_gain", "rate_gain", "alpha_gain")
 """Gains on attitude, its rate and the angle of attack, which replace a rule or follow from it."""
@@ -306,22 +309,22 @@ def _rule_numbers(design: AutopilotDesign) -> tuple[str, dict[str, float]]:
     numbers are natural frequencies [rad/s], damping ratios, and weights. `InputError` for a rule
     with too few numbers or too many, and for a gain of the design that the rule determines.
     """
-    values = {name: getattr(design, name) for name in (*_PAIR, *_ONLY_RULE)}
+    values = {name: getattr(design, name) for name in (*_POLE_PAIR, *_RULE_OF_NUMBER)}
     numbers = {name: value for name, value in values.items() if value is not None}
-    has_poles = any(name in numbers for name in _PAIR)
+    has_poles = any(name in numbers for name in _POLE_PAIR)
     default = "poles" if has_poles else "canonical"
     rule = errors.one_of("design", design.design or default, DESIGNS)
     for name in numbers:
-        if _ONLY_RULE.get(name, rule) != rule:
+        if _RULE_OF_NUMBER.get(name, rule) != rule:
             raise errors.InputError(
-                f"{name} is of gains by design {_ONLY_RULE[name]}; got design {rule}"
+                f"{name} is of gains by design {_RULE_OF_NUMBER[name]}; got design {rule}"
             )
     for name in _designed_drift_gains(rule, numbers):
         if getattr(design, name):
             raise errors.InputError(f"{name} follows from design {rule}; leave it out")
     if rule in _RULES_WITHOUT_POLES and has_poles:
         raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
-    for name in _PAIRS.get(rule, ()):
+    for name in _PLACED_PAIRS.get(rule, ()):
         if name not in numbers and name in _FREQUENCIES:
             raise errors.InputError(f"design {rule} needs {name}, in rad/s")
         numbers.setdefault(name, _DEFAULT_DAMPING)

@@ -175,9 +175,9 @@ def availability(
         confidence=confidence,
         notes=(
             *(*soundings.notes, *growth_notes, *flight_notes),
-            *_judged(judge, required.judged),
+            *_interval_notes(judge, required.judged),
             *unmeasured_notes(judge, soundings),
-            *_seasons(soundings, required.reasons),
+            *_season_notes(soundings, required.reasons),
         ),
         reasons=tuple(required.reasons),
         judged=required.judged,
@@ -254,7 +254,7 @@ def unmeasured_notes(judge: Judge, soundings: Soundings) -> list[str]:
     ]
 
 
-def _judged(judge: Judge, times: FloatArray) -> list[str]:
+def _interval_notes(judge: Judge, times: FloatArray) -> list[str]:
     """Return notes on intervals of the flight that are not judged, or judged separately.
 
     `times`: first and last time [s] of the judged interval of the flight `judge.flight` in each
@@ -294,7 +294,7 @@ def _judged(judge: Judge, times: FloatArray) -> list[str]:
     return notes
 
 
-def _seasons(soundings: Soundings, reasons: list[str]) -> list[str]:
+def _season_notes(soundings: Soundings, reasons: list[str]) -> list[str]:
     """Return a note where the judged soundings are of fewer than `_MIN_YEARS` years.
 
     `reasons`: reason why a sounding is not judged, ``(n,)``; empty for a judged one.
