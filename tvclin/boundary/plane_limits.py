@@ -448,18 +448,17 @@ def plane_limit(
     Returns
     -------
     PlaneLimit
-        The largest of the boundary of the control, the minimum over all unstable poles, for
-        0 < K < 1 that minimum after trim (in a wind that turns to one part in a thousand), and for
-        K = 1 the bound without a forecast; the notes say where it is not the first, and how far
-        off a minimum may be that is not solved.
+        The boundary of the control, or a larger lower bound, which the notes then name: the minimum
+        over all unstable poles; for 0 < K < 1 that minimum after trim (in a wind that turns to one
+        part in a thousand); for K = 1 the bound without a forecast. Notes also say how far off a
+        minimum may be that is not solved.
 
     Raises
     ------
     InputError
         For a wind without a direction, one that is zero or never ends, a dead band outside [0, 1],
-        a wind that turns where b1 is below zero,
-        and plants without unstable poles, with a complex pair, two fastest poles that are
-        together, or no aerodynamic moment.
+        a wind that turns where b1, the rate of the path, is below zero, and plants without unstable
+        poles, with a complex pair, two fastest poles that are together, or no aerodynamic moment.
 
     Notes
     -----

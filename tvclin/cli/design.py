@@ -327,7 +327,7 @@ def design(
             if sought is None
             else sought.autopilot
         )
-        frequency = _frequency(case)
+        frequency = _frequency(case)  # natural frequency for rules that place poles [rad/s]
         results = tuple(_results(case, loop, frequency))
         in_box = worst_in_box(box or [], case, loop)
     wind = wind_words(winds.name(case), case)

@@ -123,6 +123,7 @@ def limited_law(case: StudyPlan, name: str) -> Law:
     """Return the law of a case with the name of --law; `InputError` without a deflection limit."""
     if case.nozzle.limit is None:
         raise InputError("--law needs --limit-deg, the deflection limit of the nozzle")
+    # the control does not depend on the name of the wind; without a dead band the law has its own
     return LinearCase(case, shape="", law=name, dead_band=None).control
 
 

@@ -438,6 +438,7 @@ def with_gains(base: AutopilotDesign, **values: float | str | None) -> Autopilot
     if values.keys() & set(GIVEN_GAINS):
         removed = RULE_KEYS
     elif values.keys() & set(RULE_KEYS):
+        # another rule: by its name, or by a parameter alone, which is of pole placement
         rule_changes = "design" in values or base.design not in (None, *POLE_PLACEMENT_RULES)
         removed = (*GIVEN_GAINS, *(RULE_KEYS if rule_changes else ()))
     changed: Any = dict.fromkeys(removed) | values

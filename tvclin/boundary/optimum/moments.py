@@ -131,8 +131,7 @@ def conditions(poles: AnyArray, demands: AnyArray, horizon: float = np.inf) -> C
     """Return the conditions of m `poles` p [1/s], ``(m,)``, one per conjugate pair.
 
     `demands`: what the integral of e^(-p t) times the deflection must be [rad s], ``(m,)``, complex
-    for a pair. `horizon`: time [s] after which
-    the deflection is zero; infinite if never.
+    for a pair. `horizon`: time [s] after which the deflection is zero; infinite if never.
     """
     without_demands = Constraints(poles, np.zeros(0), horizon)  # knows which poles are pairs
     return Constraints(poles, without_demands.real_rows(demands), horizon)

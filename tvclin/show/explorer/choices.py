@@ -117,6 +117,7 @@ class Choices:
         """
         p, flown = self.plan, self.law != REPORT
         hardware = replace(p.nozzle, limit_shape=None) if flown else Nozzle(limit=p.nozzle.limit)
+        # of a law but the autopilot the loop without gains: delay, samples and filters
         design = p.design if self.law == AUTOPILOT else loop_of(p.autopilot_design)
         return _bare(
             p,
