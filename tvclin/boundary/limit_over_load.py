@@ -230,9 +230,9 @@ class LoadTradeOff(TradeOff):
         if self.no_forecast_bounds is None:
             yield f"the wind changes its sign: there is no {NO_FORECAST}"
         elif np.isfinite(self.no_forecast_load) and self.no_forecast_load > 0.0:
-            half = np.degrees(self.no_forecast_load)
+            load_deg = np.degrees(self.no_forecast_load)
             more = ", more than this load" * self.requires_forecast
-            yield f"a {FORECAST_FREE} bears {half:.4g} deg at least{more}"
+            yield f"a {FORECAST_FREE} bears {load_deg:.4g} deg at least{more}"
         if np.any(self.limits > self.lower_bounds * (1.0 + 2.0 * RELATIVE_GAP)):
             gaps = 1.0 - self.lower_bounds / np.maximum(self.limits, 1e-300)  # not zero
             worst, at = np.max(gaps), np.degrees(self.loads[np.argmax(gaps)])

@@ -211,7 +211,7 @@ def open_loop_requirements(
     K = np.asarray(dead_band)
     size = np.abs(np.asarray(boundary.deflection))
     poles, free = unstable_poles(plant), np.zeros(())  # `free`: bound without a forecast [rad]
-    # without a batch a fastest pole that is not real is an error of the bound
+    # the bound of a single plant raises where the fastest pole is not real; in a batch it is NaN
     if np.any(K == 1.0) and (plant.batch or (poles.size and not np.imag(poles[0]))):
         free = np.abs(np.asarray(forecast_free_limit(plant, wind).deflection))
     free = np.where(K == 1.0, np.nan_to_num(free), 0.0)

@@ -155,10 +155,11 @@ class Findings:
         over the autopilot requirement (`stop`) [rad]; a larger head wind raises the pressure too,
         and the factor is searched for. NaN where it is not flown.
         """
-        limit, stop, s = self.study.limit, self.stop, self.study
+        study, stop = self.study, self.stop
+        limit = study.limit
         if stop is None or limit is None:
             return np.nan
-        limit /= s.plane_ratio  # of this plane
+        limit /= study.plane_ratio  # of this plane
         in_head_wind = None if self.head is None else self.head.stop
         required = abs(float((in_head_wind or stop).deflection))
         if in_head_wind is None or not np.isfinite(required):
@@ -176,8 +177,8 @@ class Findings:
             limit of both planes over the plane's. Infinite where the pressure cannot be computed.
             """
             with suppress(InputError):
-                denser = at_peak_pressure(self.plan, s, size)
-                flown = autopilot_boundary(denser, denser.plant, loop.autopilot, s.plane_ratio)
+                denser = at_peak_pressure(self.plan, study, size)
+                flown = autopilot_boundary(denser, denser.plant, loop.autopilot, study.plane_ratio)
                 return size * abs(float(flown.deflection))
             return np.inf
 
@@ -441,11 +442,11 @@ def _in_a_head_wind(
     stop = head_wind_boundary(plan, flying.autopilot, study, study.plane_ratio) if flying else None
     rates = loads = turbulence = None
     with suppress(InputError):
-        denser = _with_load_of(at_peak_pressure(plan, study), plan)
+        denser = _with_load_of(at_peak_pressure(plan, study), plan)  # at the higher pressure
         rates = _rates(denser, study, limit) if plan.nozzle.rate_limit else None
         if denser.load is not None:
             fraction = 1.0 / study.plane_ratio  # share of the limit that this plane has
-            loads = denser.load.trade_off(denser, fraction, only_bound=True)
+            loads = denser.load.trade_off(denser, fraction, only_bound=True)  # at the load limit
     if plan.turbulence is not None:
         with suppress(InputError):  # by itself: rates or loads may not be defined
             denser = _with_load_of(at_peak_pressure(plan, study), plan)

@@ -310,7 +310,7 @@ class SoundingWinds:
 
     def select(self, index: NDArray[np.intp]) -> SoundingWinds:
         """Return the winds of soundings; `index`: their indices, in the order of the result."""
-        offsets, levels = gather(self.offsets, index)
+        offsets, levels = gather(self.offsets, index)  # of the result, and indices of its levels
         in_gap = np.zeros(self.height.size, dtype=bool)
         in_gap[self.gaps] = True
         return SoundingWinds(

@@ -489,7 +489,7 @@ class ContinuousFlight:
                         )
                 if regime.mode != before.mode:  # the command jumps
                     regime = regime_after_jump(loop, now, state, regime)
-                if regime.rate and loop.servo > 1:  # the state s' is exactly at its limit
+                if regime.rate and loop.servo > 1:  # the deflection rate, a state, at its limit
                     state = state.copy()
                     state[loop.order + 1] = regime.rate * loop.rate_limit
         return arcs
@@ -612,9 +612,9 @@ def _flight_end(max_attitude: float) -> Any:
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:
         """Return the smaller distance of states and attitude to their limits; negative beyond.
 
-        The limit `LOST` of the states, of any unit, is a size that no vehicle reaches: in a valid
-        flight this is the distance of the attitude [rad] to `max_attitude`, times `beyond`, a
-        little above one. `t` and `regime` are not used: `solve_ivp` passes them.
+        Both limits are widened by the factor `beyond`. That of the states, `LOST` in any unit, is a
+        size that no vehicle reaches: in a valid flight the attitude [rad] decides. `t` and `regime`
+        are not used: `solve_ivp` passes them.
         """
         to_loss = LOST * beyond - float(np.abs(states).max())
         return min(to_loss, max_attitude * beyond - abs(float(states[0])))

@@ -259,7 +259,7 @@ class Stages:
         """Transition matrices and sensor rows of all samples by name, as in `Steps` and `Vehicles`.
 
         Samples within an interval of smooth plants are interpolated, in time; in winds with many
-        breakpoints, such as soundings, in time and in dynamic pressure.
+        breakpoints, such as soundings (`_by_pressure`), in time and in dynamic pressure.
         """
         if not self._by_pressure:
             interval = self._interval(self.breaks)
@@ -554,10 +554,10 @@ class Stages:
     def _cases(self, batch: Batch) -> Cases:
         """Return indices, limits and numbers of samples of m flights, as `Cases` of the kernel.
 
-        `batch`: result of `Stages.batch`, with a vehicle and a law for each sample, the end of each
-        flight included: a flight has the index of its first sample and counts on over its `stages`;
-        so for states of the law (`memory`) if their matrices vary. It ends at its last sample
-        (`finish`), with no further `waiting`; `sequence` is the only one, without noise.
+        `batch`: result of `Stages.batch`. It has a vehicle and a law for each sample of a flight,
+        the end included, `stages` in number: `vehicle`, `law` and `memory`, the matrices of the
+        law's states if these vary, are the indices of those of the first sample. A flight ends at
+        its last sample (`finish`), without samples after the wind (`waiting`), and without noise.
         """
         count, (vehicle, wind) = batch.shape[0], batch.indices
         flight, (ends, settling) = self.flight_of_wind[wind], self._judged

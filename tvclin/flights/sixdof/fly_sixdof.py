@@ -118,8 +118,9 @@ class SixDof:
     def air(self, wind: History, start: float, stop: float) -> Air:
         """Return the wind at the steps of a flight from `start` to `stop` [s] or just beyond.
 
-        `wind`: one wind angle [rad]. With a condition the nominal flight is included. `InputError`
-        for a wind from before the start, and an angle that no horizontal wind can make.
+        `wind`: one wind angle [rad]. With a `condition`, with which speed and pressure vary, the
+        nominal trajectory is included. `InputError` for a wind from before the start, and an angle
+        that no horizontal wind can make.
         """
         check_span(start, stop)
         check_history("wind", wind, start)

@@ -326,13 +326,12 @@ class FlightMode:
 
     @cached_property
     def _march(self) -> tuple[FloatArray, FloatArray]:
-        """Ends of steps [s] ``(k,)``, and costate and control reaches there ``(k, m + 2)``.
+        """Ends of steps [s] ``(k,)``, and costate p ``(m,)`` and two reaches there ``(k, m + 2)``.
 
-        The costate p belongs to the fastest unstable mode, the control reach R the effect on p.x of
-        a unit deflection constant from then on, and the absolute one, the last number of each row,
-        that of one with the sign of p.b in each step. They are integrated backwards from the end of
-        the span, where the vehicle is frozen, and scaled to a costate of length one after each
-        step.
+        p of the m states x belongs to the fastest unstable mode. The control reach is the effect on
+        p.x of a unit deflection constant from then on, the absolute reach that of one with the sign
+        of p.b in each step. They are integrated backwards from the end of the span, where the
+        vehicle is frozen, and scaled to a costate of length one after each step.
         """
         start, stop = self.span
         breakpoints = np.append(self.schedule.times, self.last_unstable)
