@@ -371,8 +371,8 @@ class LoadLimits:
         for program in (self.program, self.dense_program):
             if self._refine(load, program) and np.isfinite(self._attained(load)):
                 break
-        # no computed control is within the load, as a mixture requires one of less load: others of
-        # minimum load, within multiples of the proved peak
+        # A mixture requires a control of less load. If there is none yet: controls of minimum load,
+        # with peaks up to multiples of the proved bound.
         for multiple in _PEAKS_OVER_PROOF:
             program = self.dense_program
             for _ in range(2):

@@ -248,9 +248,9 @@ def subject_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 
 def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return schedule and source of a flight, from [schedule] or else from the study's vehicle.
+    """Return the flight of a document by "schedule" and "source", its file or a text.
 
-    With `another`: the name of the study's vehicle, where the flight belongs to another vehicle.
+    A third key, "another", is the name of the study's vehicle where the flight is of another one.
     `document`: tables of the file; `folder`: where the files that it names are. The flight stands
     in [schedule] as lists over time_s, or as a source: a CSV file, or a vehicle with [flight].
     `InputError` for both, and for neither.

@@ -147,10 +147,7 @@ class RateProgram:
 
     @cached_property
     def _rows(self) -> Callable[[bool], tuple[Any, Any]]:
-        """Function that returns the rows of constraints, of the minimum rate (True) or else; kept.
-
-        The programs of minimum peak and of minimum motion have the same rows.
-        """
+        """Function `_rows_of` with a cache, as minimum peak and minimum motion have equal rows."""
         return cache(self._rows_of)
 
     def _rows_of(self, of_rate: bool) -> tuple[Any, Any]:
@@ -187,9 +184,10 @@ class RateProgram:
         """Return the result of minimum peak, rate or total motion (`aim`); None if infeasible.
 
         The variables, over `unit`, are the deflections at all nodes but the first, their changes up
-        and down in each interval, and the peak. `peak`: bound of the peak. With a solution
-        `around`, the result is 1e8 times the change from it, each variable of it within
-        `max_change`. Where the simplex method fails, the interior point method is tried.
+        and down in each interval, and the peak, in place of which the minimum rate has the rate
+        times the last node. `peak`: bound of the last one. With a solution `around`, the result is
+        1e8 times the change from it, each variable of it within `max_change`. Where the simplex
+        method fails, the interior point method is tried.
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
@@ -209,7 +207,7 @@ class RateProgram:
                 np.clip(_RESIDUAL_SCALE * (b - around), -max_change, max_change)
                 for b in (lowest, highest)
             )
-        cost = np.zeros(3 * count + 1)
+        cost = np.zeros(3 * count + 1)  # of the changes, or of the last variable
         cost[slice(count, -1) if aim == _MOTION else -1] = 1.0
         for method in ("highs", "highs-ipm"):
             result = linprog(
