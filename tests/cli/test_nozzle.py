@@ -103,7 +103,7 @@ def test_the_required_rate_of_an_autopilot_is_that_of_the_library() -> None:
     rate = float(np.degrees(tv.nozzle.flown_required_rate(case, law)))
     answer = json.loads(run(*given, "--json").stdout)
     assert answer["autopilot_required_rate_deg_per_s"] == pytest.approx(rate, rel=1e-12)
-    words = f"required rate of autopilot, flown, with the limit {rate:.3f} deg/s"
+    words = f"required rate of the autopilot, flown, with the limit {rate:.3f} deg/s"
     assert words in run(*given).output
 
 
@@ -121,7 +121,11 @@ def test_the_required_rate_of_an_autopilot_is_that_of_the_library() -> None:
                 1,
                 "NOT SUFFICIENT, below the lower bound",
             ),
-            (("--limit-deg", "0.35"), 0, "required rate with the limit 0.142 deg/s; lower bound"),
+            (
+                ("--limit-deg", "0.35"),
+                0,
+                "required rate of any law with the limit at least 0.142 deg/s; lower bound",
+            ),
             (("--limit-deg", "0.1"), 1, "NOT SUFFICIENT, below the lower bound"),
             (
                 ("--rate-limit-deg", "2"),

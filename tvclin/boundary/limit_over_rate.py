@@ -92,7 +92,7 @@ def required_rate_table(trade_off: RateTradeOff, deflection: str) -> Table:
     `deflection`: text that says what the limit is.
     """
     return record_table(
-        REQUIRED_RATE.capitalize(),
+        f"{REQUIRED_RATE.capitalize()}, a lower bound of any law",
         "required_rate",
         [trade_off],
         *("limit", "required_rate", "rate_limit", "remaining_rate"),

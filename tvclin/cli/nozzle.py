@@ -363,7 +363,7 @@ class _RequiredRates:
         """
         theory = None if self.theory is None else self.theory.required_rate
         # required rate [rad/s] by law, none of the theory; a rate of None is not known
-        rates = {f"{AUTOPILOT}, flown,": self.autopilot, "": theory}
+        rates = {f"the {AUTOPILOT}, flown,": self.autopilot, "": theory}
         return "; ".join(
             _rate_text(rate, self.at, law) for law, rate in rates.items() if rate is not None
         )
@@ -377,12 +377,14 @@ class _RequiredRates:
 def _rate_text(required_rate: float, at: str, law: str) -> str:
     """Return a required rate [rad/s] in words; `law`: the flown law, empty for the theory.
 
-    `at`: deflection with which the rate is required, in words: "limit", or the required one.
+    That of the theory is a lower bound of the rate of any law. `at`: deflection with which the rate
+    is required, in words: "limit", or the required one.
     """
     if np.isinf(required_rate):
-        return f"no rate is sufficient{f' for {law}' if law else ''} with the {at}"
-    whose = f" of {law}" if law else ""
-    return f"{REQUIRED_RATE}{whose} with the {at} {np.degrees(required_rate):.3f} deg/s"
+        return f"no rate is sufficient for {law or 'any law'} with the {at}"
+    whose, least = (law, "") if law else ("any law", "at least ")
+    rate = f"{np.degrees(required_rate):.3f} deg/s"
+    return f"{REQUIRED_RATE} of {whose} with the {at} {least}{rate}"
 
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:
