@@ -208,7 +208,7 @@ class Field:
     def checked(self, name: str, value: Any, unit: str | None = None) -> Any:
         """Return a `value`, unconverted, if it passes the check of an argument `name`.
 
-        Else the check raises `InputError`, in which numbers have the `unit`, by default that of SI.
+        Else the check raises `InputError`, in which numbers have the `unit`, by default in SI.
         A number becomes a float, and several values (`many`), always in SI, a tuple.
         """
         if self.many:

@@ -424,7 +424,7 @@ class LoadLimits:
         """Return the largest lower bound [rad] of the peak at a load [rad], and its slope.
 
         The slope is the decrease of the bound per load. `lines` has bounds at load zero with their
-        slopes; that of the minimum without a bound of the load is zero.
+        slopes; the minimum without a bound of the load has slope zero.
         """
         bounds = [(bound - slope * load, slope) for bound, slope in self.lines]
         return max([*bounds, (self.minimum_deflection, 0.0)])

@@ -131,7 +131,7 @@ def fastest_uncounted(function: Callable[..., Any], seconds: float) -> Callable[
     `function`: marked by `kernels.source.kernel`. `seconds`: approximate time of the call in plain
     Python, which counts as often as the context `repeated` says. Machine code that is on disk is
     loaded where that pays; else it is compiled if the calls take longer than
-    `_MIN_COMPILING_SECONDS`, in a command if those of all commands do. A kernel that ran as machine
+    `_MIN_COMPILING_SECONDS`, in a command if calls of all commands do. A kernel that ran as machine
     code does so to the end of the command. The context `pinned` decides before all of that.
     """
     if not available():

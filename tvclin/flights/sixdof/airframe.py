@@ -155,7 +155,7 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
         """Return the speed over the ground [m/s], and the force up or right per mass [m/s^2].
 
         `ground_speed` is in ft/s. `metres_along_axis` converts `force` [lbf] over `mass` [slug],
-        and has the sign of JSBSim's axis to that of up or right.
+        and turns JSBSim's axis into the direction up or right.
         """
         return FOOT * ground_speed(), metres_along_axis * force() / mass()
 
