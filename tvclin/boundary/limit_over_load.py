@@ -414,11 +414,14 @@ class LoadLimits:
         `points`: loads and peaks of the controls. One with more load and one with less are mixed
         linearly, as load and peak are convex in the deflection; infinite without one with less.
         """
-        below = [(a, d) for a, d in self.points if a <= load]
-        above = [(a, d) for a, d in self.points if a > load]
-        # loads a, b and peaks d, e of two controls
-        mixed = [d + (load - a) / (b - a) * (e - d) for a, d in below for b, e in above]
-        return min([d for _, d in below] + mixed, default=np.inf)
+        below = [point for point in self.points if point[0] <= load]
+        above = [point for point in self.points if point[0] > load]
+        mixed = [
+            low_peak + (load - low_load) / (high_load - low_load) * (high_peak - low_peak)
+            for low_load, low_peak in below
+            for high_load, high_peak in above
+        ]
+        return min([peak for _, peak in below] + mixed, default=np.inf)
 
     def _proved(self, load: float) -> tuple[float, float]:
         """Return the largest lower bound [rad] of the peak at a load [rad], and its slope.

@@ -378,15 +378,15 @@ def _candidate_summits(
     values, slopes = samples[:, 0], samples[:, 1]
     sign = np.sign(values[:-1] + values[1:])
     first, last = sign * widths * slopes[:-1], sign * widths * slopes[1:]
-    sign_changes = np.nonzero((first > 0.0) & (last < 0.0))
-    which = sign_changes[0], sign_changes[1]  # samples before summits, and their pieces
+    sample, piece = np.nonzero((first > 0.0) & (last < 0.0))  # before a summit, and its piece
+    which = sample, piece
     sign, first, last = sign[which], first[which], last[which]
     value_at_start, rise = sign * values[:-1][which], sign * np.diff(values, axis=0)[which]
     square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
     root = np.sqrt(np.maximum(square**2 - 3.0 * first * cube, 0.0))
     x = np.divide(first, root - square, where=root - square > first, out=np.ones_like(first))
     high = value_at_start + x * (first + x * (square + x * cube)) >= threshold
-    which = which[0][high], which[1][high]
+    which = sample[high], piece[high]
     return which, x[high] * widths[which]
 
 

@@ -158,29 +158,30 @@ class LoadCase:
         the modes (`shares`): z is summed from node to node, unstable ones backward from their final
         state, and from the node to each point of the cell.
         """
-        # x: fractions of a cell
-        n, unstable, x = widths.size, self.unstable, np.linspace(0.0, 1.0, reference_load.shape[1])
+        n, unstable = widths.size, self.unstable
+        x = np.linspace(0.0, 1.0, reference_load.shape[1])  # fractions of a cell
         column, (start, end) = widths[:, np.newaxis], ends[:, :, np.newaxis]
-        # from one node to the next: decay, and weights of the deflection at the latter, the former
-        decay, next_weight, weight = convolution_weights(self.rates, column)
+        # over a cell, in the direction of the sum: decay of z, and weights of the deflection at the
+        # node that is reached and at the other
+        decay, reached, other = convolution_weights(self.rates, column)
         increment = self.sizes * np.where(
-            unstable, -(next_weight * start + weight * end), weight * start + next_weight * end
+            unstable, -(reached * start + other * end), other * start + reached * end
         )
-        z = np.zeros((n + 1, unstable.size), dtype=complex)
+        z = np.zeros((n + 1, unstable.size), dtype=complex)  # at the nodes
         z[n] = -self.step_states * ends[1, -1]
         for k in range(n - 1, 0, -1):
             z[k] = np.where(unstable, decay[k] * z[k + 1] + increment[k], 0.0)
         for k in range(n):
             z[k + 1] = np.where(unstable, z[k + 1], decay[k] * z[k] + increment[k])
-        value = start * (1.0 - x) + end * x
-        load = reference_load + self.ratio * value
+        eta = start * (1.0 - x) + end * x  # deflection at the points, minus the reference
+        load = reference_load + self.ratio * eta
         for i in range(unstable.size):
+            # from a node to the points: the end of the cell backward, or its start
             distance = 1.0 - x if unstable[i] else x
-            # decay from a node to the point, and weights of the deflection at the point and there
             decay_to, at_point, at_node = convolution_weights(self.rates[i], column * distance)
-            z_from, origin, sign = (z[1:, i], end, -1.0) if unstable[i] else (z[:-1, i], start, 1.0)
-            added = sign * self.sizes[i] * (at_point * value + at_node * origin)
-            load = load + (self.shares[i] * (decay_to * z_from[:, np.newaxis] + added)).real
+            node, eta_node, sign = (z[1:, i], end, -1.0) if unstable[i] else (z[:-1, i], start, 1.0)
+            added = sign * self.sizes[i] * (at_point * eta + at_node * eta_node)
+            load = load + (self.shares[i] * (decay_to * node[:, np.newaxis] + added)).real
         return load
 
     @cached_property

@@ -66,8 +66,8 @@ class LostFlightError(InputError):
 
     @property
     def sentence(self) -> str:
-        """The limit that the flight without a change needs, as a sentence; `args` has its words."""
-        _limit, needs = self.args
+        """Sentence on the limit that the flight needs without a change of gain or delay."""
+        _limit, needs = self.args  # [rad], and words such as "1.5 deg"
         return f"the unchanged flight needs {needs}"
 
     def __str__(self) -> str:
