@@ -318,8 +318,7 @@ class LoadLimits:
         """Minimum load |alpha + M delta| [rad], M as in `LoadCase`, as computed, and lower bound.
 
         Each of five programs has finer nodes in time. By duality it proves that every control has
-        peak >= bound - slope load (`lines`), which bounds the load of peaks up to
-        `_MAX_DEFLECTION`.
+        peak >= bound - slope load (`lines`): a load bound for peaks up to `_MAX_DEFLECTION`.
         """
         loads, proved = [self.load_of_minimum], [0.0]
         program, lowest = self.dense_program, np.inf

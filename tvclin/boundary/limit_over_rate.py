@@ -576,7 +576,7 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
 def _case_of(plant: Plant, wind: History, acceleration: float, forecast: bool) -> _Case:
     """Return the case of a plant in a wind, and of a law with or without a `forecast` of it.
 
-    `acceleration`: its limit [rad/s2], maybe infinite.
+    `acceleration`: limit of the deflection's acceleration [rad/s^2], infinite without one.
     """
     # the control starts with the wind; `constraints_of` refuses what is not one wind
     start = float(wind.onset) if isinstance(wind, History) and not wind.batch else 0.0

@@ -274,7 +274,7 @@ def _limit_after_trim(
     limits = lower.flatten()
     modes = separated_poles(np.broadcast_to(poles, (*shape, poles.shape[-1])))
     modes = modes.reshape(-1, modes.shape[-1])
-    number = (~np.isnan(modes)).sum(axis=-1)
+    number = (~np.isnan(modes)).sum(axis=-1)  # NaN stands for a mode that is not there
     applicable = (K.ravel() > 0.0) & (K.ravel() < 1.0) & np.isfinite(limits) & (number > 1)
     highest = np.minimum(problem.largest_trim(applicable.reshape(shape)).ravel(), _MAX_LIMIT)
     applicable &= highest > limits

@@ -211,6 +211,7 @@ def best_multipliers(window: Window) -> SignedSum:
     poles = np.where(np.arange(c.poles.size) == fastest, slower, c.poles)
     demands = np.where(np.arange(c.decays.size) == fast, 3.0 * c.demands, c.demands)
     slowed = best_multipliers(Window(Constraints(poles, demands, c.horizon)))
+    # the switches of the slower pole, with the moments of the poles themselves
     moments = c.moments(np.concatenate([[0.0], slowed.zeros, [window.end]])) @ slowed.signs
     return replace(slowed, window=window, moments=moments)
 

@@ -272,7 +272,7 @@ class LoadProgram:
         conditions to rounding, and its load computed between the nodes too. `_proof` gives the
         lower bound from the prices of the constraints, `_finer` the nodes of the next program.
         """
-        first, last = self._levels
+        first, last = self._levels  # matrices from variables to deflections at starts and at ends
         u = self._corrected(result.x[: self._variables] * self._unit)
         ends = np.stack([first @ u, last @ u])
         inside = self.case.load_in(self.reference_load, self.widths, ends - self.reference)

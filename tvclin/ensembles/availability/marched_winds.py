@@ -145,7 +145,7 @@ class PlaneMarch:
             minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])
         flown, lowest = time_varying.decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
-        # a flight requires at most a measured multiple of it, and less than the law ever reaches
+        # a flight requires at most a measured multiple of the limit, and no more than `highest`
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
         if np.any(equations.quick_path | equations.changes_sign) or self._law_may_diverge:
             upper = np.maximum(limit, highest)

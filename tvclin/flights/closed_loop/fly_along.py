@@ -471,9 +471,9 @@ def with_outputs(
             outputs[name] = by_name[name]
     outputs |= {"deflection": deflection, "deflection_rate": rates, "pressure_ratio": ratio}
     if "flight_path_angle" in outputs:
-        speed = flight_variable(flight, "speed", within) * outputs["flight_path_angle"]
-        # drift rate V gamma, integrated by the trapezoidal rule
-        steps = 0.5 * (speed[1:] + speed[:-1]) * np.diff(times)
+        drift_rate = flight_variable(flight, "speed", within) * outputs["flight_path_angle"]
+        # integrated by the trapezoidal rule
+        steps = 0.5 * (drift_rate[1:] + drift_rate[:-1]) * np.diff(times)
         outputs["drift"] = np.concatenate([[0.0], np.cumsum(steps)])
     if flight.altitude is not None:
         pressure = flight_variable(flight, "dynamic_pressure", within)

@@ -51,8 +51,8 @@ _RATE_AT_LIMIT = 0.999
 def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
     """Return whether the nozzle of each of m flights reaches limits long after its wind, ``(m,)``.
 
-    Flights that survive are continued in still air, but for laws with noise. A nozzle without a
-    limit in two successive intervals is at rest. `f`: arrays of the flights at their ends. `laws`:
+    Flights that survive, of laws without noise, are continued in still air, until their nozzle has
+    reached no limit in two successive intervals. `f`: arrays of the flights at their ends. `laws`:
     their laws.
     """
     silent = np.array([not level for level, _ in laws.noise])[f.cases.law]

@@ -255,7 +255,7 @@ def _rows(
         vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]
     rows = np.zeros((n + 1, times.size))
     rows[:n] = at.unlimited[:n]
-    if np.any(at.bounded):
+    if np.any(at.bounded):  # states of the plant, and value and slope of the deflection
         ramp = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.distinct).A
         limited = at.stepped(ramp, np.column_stack([vehicle, first, slope]))[:n]
         rows[:n] = np.where(at.bounded, limited, rows[:n])

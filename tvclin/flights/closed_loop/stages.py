@@ -297,12 +297,12 @@ class Stages:
                 exact[run] = False
                 pending.append((run, surface))
         rows = np.flatnonzero(exact)
-        first = self._arrays_at(self.times[rows], rows, middle=True)
+        computed = self._arrays_at(self.times[rows], rows, middle=True)
         arrays = {
             name: self.storage.empty(name, (self.times.size, *array.shape[1:]))
-            for name, array in first.items()
+            for name, array in computed.items()
         }
-        for name, array in first.items():
+        for name, array in computed.items():
             arrays[name][rows] = array
         parts = len(pressure) // 2 - 1  # places: two Gauss points of each part, start, middle
         for run, surface in pending:

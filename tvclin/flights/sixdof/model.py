@@ -67,7 +67,7 @@ def nominal_trajectory(
         dynamic_pressure=float(nominal.dynamic_pressure(start)),
         mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),  # in 1 s
     )
-    # attitude and its rate are the path's, without an angle of attack
+    # `OUTPUTS`: attitude and its rate are the path's, without an angle of attack
     rows = np.stack([states[1], turns, states[1], zeros, nominal.deflection(times)], axis=-1)
     return NominalTrajectory(nominal.vehicle_at(start), departure, speeds=states[0], rows=rows)
 
