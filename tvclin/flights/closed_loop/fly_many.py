@@ -88,11 +88,9 @@ def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
         now=FlightStates._make(array[indices] for array in f.now),
         track=f.track[:0],
     )
-    ring = g.now.commands.shape[1]
-    shifted = (
-        g.now.ended[:, np.newaxis] + np.arange(ring)
-    ) % ring  # the last sample becomes sample 0
-    g.now.commands[:] = np.take_along_axis(g.now.commands, shifted, axis=1)
+    size = g.now.commands.shape[1]  # of the ring, in which sample k has the place k modulo size
+    places = (g.now.ended[:, np.newaxis] + np.arange(size)) % size  # the last sample becomes 0
+    g.now.commands[:] = np.take_along_axis(g.now.commands, places, axis=1)
     g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
     g.cases.finish[:] = np.maximum(np.ceil(_INTERVAL_OVER_SETTLING * g.cases.settling), 1)
     g.cases.ends[:] = NEVER  # not judged

@@ -473,17 +473,18 @@ def flight_requirements(
     # required deflection, minimum, that of the fastest mode, and exit time of each wind, (n, 4)
     full_band = requirements_along(mode, both_signs, 1.0)  # K = 1
     by_band = [full_band if K == 1.0 else requirements_along(mode, winds, K) for K in dead_bands]
-    required, _minima, _fastest_minima, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
+    required, *_, exits = np.moveaxis(np.array(by_band), -1, 0)  # (k, n) each
     requirements = []
     for i, wind in enumerate(winds):
         trim = np.abs(trim_ratios[i] * wind.history(times[i]))
         largest = int(np.argmax(trim))
+        _required, minimum, fastest_minimum, _exit = full_band[i].tolist()
         requirements.append(
             FlightRequirement(
                 trim=float(trim[largest]),
                 required=required[:, i],
-                minimum=float(full_band[i, 1]),
-                slower_modes=0.0 < _NOTED_INCREASE * full_band[i, 2] < full_band[i, 1]
+                minimum=minimum,
+                slower_modes=0.0 < _NOTED_INCREASE * fastest_minimum < minimum
                 and float(both_signs[i].history.end) < mode.last_unstable,
                 trim_time=float(times[i][largest]),
                 times=exits[:, i],
