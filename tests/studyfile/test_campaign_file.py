@@ -81,6 +81,24 @@ def test_spreads_carry_their_units():
     assert [one.relative for one in each] == [False, False, True, False]
 
 
+@pytest.mark.parametrize(
+    ("spread", "of_weight"),
+    [
+        ({"percent": 2.0}, tv.Dispersion("weight", "normal", 0.02)),
+        ({"spread_kg": 100.0}, tv.Dispersion("weight", "normal", 980.665, relative=False)),
+    ],
+)
+def test_a_mass_is_dispersed_as_its_weight(spread, of_weight):
+    rows = [{"parameter": "mass", **spread}, {"parameter": "thrust", "percent": 1.0}]
+    coefficient = {"between": ["thrust", "mass"], "coefficient": 0.5}
+    each = campaign(dispersion=rows, correlation=[coefficient]).dispersions
+    assert each.distributions[0] == of_weight
+    assert each.correlation == ((1.0, 0.5), (0.5, 1.0))
+    twice = [*rows, {"parameter": "weight", "percent": 1.0}]
+    with pytest.raises(tv.InputError, match="dispersed twice"):
+        campaign(dispersion=twice)
+
+
 @pytest.fixture
 def ensemble(tmp_path):
     rng = np.random.default_rng(2)

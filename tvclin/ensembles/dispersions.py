@@ -304,9 +304,15 @@ CORRELATION_TABLE = FileTable("[[correlation]]", words=("between", "coefficient"
 
 
 def spread_table(parameter: Any) -> FileTable:
-    """Return the table of the keys of a dispersion; `InputError` for an unknown parameter."""
-    name = checked_parameter("parameter in [[dispersion]]", parameter)
-    kinds = DISPERSION_TABLE.quantities | {"spread": KINDS.get(name, "number")}
+    """Return the table of the keys of a dispersion; `InputError` for an unknown parameter.
+
+    A file may name the weight "mass", with a spread in units of mass.
+    """
+    name, kind = parameter, "mass"
+    if parameter != "mass":
+        name = checked_parameter("parameter in [[dispersion]]", parameter)
+        kind = KINDS.get(name, "number")
+    kinds = DISPERSION_TABLE.quantities | {"spread": kind}
     return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)
 
 

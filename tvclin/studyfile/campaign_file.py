@@ -58,7 +58,7 @@ from tvclin.linear.system_file import read_system
 from tvclin.requirement.flight.request import EVERY_S, SIZE_TABLE
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, STUDY_TABLE
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
-from tvclin.vehicle.vehicle import Vehicle
+from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.vehicle.vehicle_file import (
     HEADINGS,
     build_vehicle,
@@ -486,7 +486,7 @@ def dispersions_of(document: Mapping[str, Any]) -> Dispersions:
         with faults.collect():
             dispersions.append(_dispersion(row))
     faults.raise_all()
-    names = [dispersion.parameter for dispersion in dispersions]
+    names = [row["parameter"] for row in rows]
     if not correlation:
         return Dispersions(tuple(dispersions))
     matrix = np.eye(len(dispersions))
@@ -506,7 +506,8 @@ def _dispersion(row: dict[str, Any]) -> Dispersion:
     """Return the distribution of a parameter, from the keys of a table [[dispersion]] in `row`.
 
     Its spread is the one key besides parameter and shape: relative as percent or part, or else in
-    the unit of the parameter. `InputError` for none and for several.
+    the unit of the parameter. A mass is dispersed as its weight. `InputError` for none and for
+    several.
     """
     table = spread_table(row.get("parameter"))
     keys = table.read(row)
@@ -517,4 +518,7 @@ def _dispersion(row: dict[str, Any]) -> Dispersion:
             f" {table.spelled('spread').replace(' or ', ', ')}"
         )
     ((name, spread),) = keys.items()
-    return Dispersion(parameter, shape, spread, relative=name != "spread")
+    relative = name != "spread"
+    if parameter == "mass":
+        parameter, spread = "weight", spread if relative else spread * STANDARD_GRAVITY
+    return Dispersion(parameter, shape, spread, relative=relative)
