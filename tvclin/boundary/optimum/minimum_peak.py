@@ -420,7 +420,7 @@ def _proved(
             with np.errstate(all="ignore"):  # what is no number is not proved
                 done = c[:, np.newaxis] * (1.0 - propagated) / others
                 rest = (demands[:, 1:] - done) / propagated
-            z = rate * np.real(rest)
+            z = rate * np.real(rest)  # constant deflections that cancel the two [rad], if real
             later = minimum_reach(z[:, 0], z[:, 1], rate[:, 1] / rate[:, 0])
             later[paired] = pair_peaks(others[paired, 0], rest[paired, 0])
             fits &= np.maximum(np.abs(c), later) <= peak * (1.0 + _RELATIVE_PEAK_ROUNDING)

@@ -218,8 +218,9 @@ class PlaneMarch:
         angle = sign * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
         calm, largest = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
         _, equations = self._steps
-        # row of the angular acceleration in [A b w], in the middle of each step
-        acceleration = equations.nominal[0, :, 1, 1]
+        # of [A b w] at begin, middle and end of each step: its row of the angular acceleration (1)
+        middle = 1
+        acceleration = equations.nominal[0, :, middle, 1]
         # -w/b is the trim deflection per wind angle, -B, of which the sign counts
         trim_per_wind = -np.sum(acceleration[:, -1] / acceleration[:, -2])
         trim_sign = float(np.sign(trim_per_wind)) * sign
@@ -255,6 +256,7 @@ class PlaneMarch:
         """
         steps, equations = self._flight_steps
         _, even_equations = self._steps
+        # times [s], wind angles [rad] and q/q_n over the steps, and the onset
         *encountered, onset = self.path.encountered(steps, winds, self.plane)
         times, wind, ratio = time_varying.with_calm_after(even_equations, *encountered)
         return SteppedWinds(equations, times, wind, ratio, onset)

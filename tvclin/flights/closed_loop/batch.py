@@ -503,8 +503,9 @@ def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Flight
     `n`: number of states of the plant. `steps`: transition matrices of the vehicles. `terms`:
     number of coefficients of the wind's polynomial. `memory`: number of states of the laws.
     """
-    # N states of vehicle and nozzle; `late` whole samples of delay, of which commands are kept
-    N, late = steps.joint.shape[2], int(steps.late.max(initial=0))
+    # intervals of a sample; N states of vehicle and nozzle; `late` whole samples of delay, of which
+    # commands are kept
+    (_, intervals, N, _), late = steps.joint.shape, int(steps.late.max(initial=0))
     return FlightStates(
         y=np.zeros((m, N)),
         states=np.zeros((m, memory)),
@@ -513,7 +514,7 @@ def equilibrium(m: int, n: int, steps: Steps, terms: int, memory: int) -> Flight
         measured=np.zeros((m, MEASURED)),
         next=np.zeros((m, max(N, memory))),
         series=np.zeros((m, 3, n)),
-        commands=np.zeros((m, late + steps.joint.shape[1])),
+        commands=np.zeros((m, late + intervals)),
         mode=np.zeros(m),
         bounded=np.zeros(m, np.bool_),
         peaks=np.zeros((m, PEAKS)),

@@ -157,12 +157,13 @@ def limits_above_losses(
         """Return whether the values `low` e^x ``(k, n)`` are lost; those above `high` are not."""
         return lost(low * np.exp(np.minimum(x, span))) & (x <= span)
 
+    last = fine / LAST_PARTS  # the last step
     # of each refinement the step, the number of steps above a loss that must survive, and 1: the
     # scan has tried none of these steps
-    levels = [(fine, int(AHEAD / FINE), 1), (fine / LAST_PARTS, LAST_PARTS - 1, 1)]
-    highest, _ = _highest_losses(logarithm_lost, scan, levels)
+    levels = [(fine, int(AHEAD / FINE), 1), (last, LAST_PARTS - 1, 1)]
+    highest, _ = _highest_losses(logarithm_lost, scan, levels)  # -inf without a loss
     never = highest >= span
-    limits = low * np.exp(np.minimum(highest + fine / LAST_PARTS, span))
+    limits = low * np.exp(np.minimum(highest + last, span))
     return np.where(never, high, np.where(highest > -np.inf, limits, low)), never
 
 

@@ -169,6 +169,7 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
         """Return yaw angle and heading of the path [rad], from the vertical plane of the `heading`.
 
         `cosine` and `right`: components of the direction of that plane to north and to east.
+        `theta`, `psi`: pitch angle and heading of the nose [rad]; `north`, `east`: velocities.
         """
         across = east() * cosine - north() * right
         return asin(cos(theta()) * sin(psi() - heading)), asin(across / ground_speed())
@@ -455,11 +456,11 @@ class Airframe:
     ) -> FloatArray:
         """Return the outputs of a flight at m samples, minus the nominal outputs, ``(m, 7)``.
 
-        A row is a `Row`. JSBSim is reset first. The flight ends after the first attitude beyond 25
-        deg or that is not finite. `steering`: function of the deflection. `speeds`, `angles`: wind
-        speed [m/s] and wind angle [rad] at each step, ``(n,)``, m <= n. `nominal`: outputs of the
-        nominal flight. `trajectory`: its `OUTPUTS` in pitch, ``(n, 5)``; without it the nominal
-        flight is straight. `sensors`: lateral sensors of the law.
+        The columns are those of `Row`, attitude first. JSBSim is reset first. The flight ends after
+        the first attitude beyond 25 deg or that is not finite. `steering`: returns the deflection
+        of the law [rad]. `speeds`, `angles`: wind speed [m/s] and wind angle [rad] at each step,
+        ``(n,)``, m <= n. `nominal`: rows of the nominal flight. `trajectory`: its `OUTPUTS` in
+        pitch, ``(n, 5)``; without it the nominal flight is straight. `sensors`: of the law.
         """
         self._restart()
         h, run, set_deflection = self._step, self.engine.run, self._deflection_setters[self._plane]
