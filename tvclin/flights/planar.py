@@ -107,25 +107,31 @@ class PlanarMotion:
         nominal flight. Forces of the air are the vehicle's times `ratio`, q/q_n.
         """
         now = self._nominal_state(t)
+        theta, theta_rate, gamma, relative_speed, *_ = x
         alpha, speed = self._air(now, x, gust)
         ratio = self._ratio(speed, now.altitude + x[4]) if self.nominal is not None else 1.0
         v = self.vehicle
+        moment = v.normal_force_slope * ratio * v.aerodynamic_arm * alpha
+        moment -= v.control_force * v.control_arm * np.sin(deflection)
+        moment -= v.pitch_damping * theta_rate
         derivatives = np.zeros(len(self.states))
-        derivatives[0] = x[1]  # attitude; then the moments, over the inertia
-        derivatives[1] = v.normal_force_slope * ratio * v.aerodynamic_arm * alpha
-        derivatives[1] -= v.control_force * v.control_arm * np.sin(deflection)
-        derivatives[1] -= v.pitch_damping * x[1]
-        derivatives[1] /= v.moment_of_inertia
+        derivatives[0], derivatives[1] = theta_rate, moment / v.moment_of_inertia
+        ground_speed = now.speed * (1.0 + relative_speed)  # [m/s]
         if self.drift:
-            actual = self._path(now, x[0], x[2], now.speed * (1.0 + x[3]), alpha, ratio, deflection)
+            # gamma' [rad/s] and V' [m/s^2], of this and of the nominal flight
+            path_rate, acceleration = self._path(
+                now, theta, gamma, ground_speed, alpha, ratio, deflection
+            )
             nominal_ratio = self._ratio(now.speed, now.altitude)
-            nominal_path = self._path(now, 0.0, 0.0, now.speed, 0.0, nominal_ratio, 0.0)
-            derivatives[2] = actual[0] - nominal_path[0]
-            # both are (gamma', V'); V = V_n (1 + x): V' - V_n' = V_n x' + V_n' x; 0 if frozen
-            nominal_acceleration = 0.0 if self.nominal is None else nominal_path[1]
-            derivatives[3] = (actual[1] - nominal_path[1] - nominal_acceleration * x[3]) / now.speed
+            nominal_path_rate, nominal_acceleration = self._path(
+                now, 0.0, 0.0, now.speed, 0.0, nominal_ratio, 0.0
+            )
+            derivatives[2] = path_rate - nominal_path_rate
+            # V = V_n (1 + x), so that V' - V_n' = V_n x' + V_n' x, V_n' being 0 if frozen
+            from_nominal = 0.0 if self.nominal is None else nominal_acceleration * relative_speed
+            derivatives[3] = (acceleration - nominal_acceleration - from_nominal) / now.speed
         if self.nominal is not None and self.plane == "pitch":
-            climb = now.speed * (1.0 + x[3]) * np.sin(now.path + x[2])
+            climb = ground_speed * np.sin(now.path + gamma)
             derivatives[4] = climb - now.speed * np.sin(now.path) if self.drift else 0.0
         if self.sensors.drift:
             derivatives[self.states.index("drift")] = self._drift_rate(now, x)

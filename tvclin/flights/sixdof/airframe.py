@@ -285,13 +285,14 @@ class Prediction:
         self._deflection, self._wind_angle = deflection, angle
         self._attitude, self._path = attitude, path = self._readers.angles()
         (self._rate, self._acceleration), self._alpha = self._readers.rates(), self._readers.alpha()
-        off = attitude - nominal[0], self._rate - nominal[1], path - nominal[2]
-        force, acceleration = 0.0, self._acceleration - nominal[6]
+        attitude_n, rate_n, path_n, alpha_n, _, force_n, acceleration_n = nominal
+        force, acceleration = 0.0, self._acceleration - acceleration_n
         if self._lateral is not None:
             speed, force = self._readers.lateral()
-            force -= nominal[5]
-            self._lateral.move(off[2], speed, force, acceleration)
-        return (*off, self._alpha - nominal[3], deflection, force, acceleration)
+            force -= force_n
+            self._lateral.move(path - path_n, speed, force, acceleration)
+        angles = attitude - attitude_n, self._rate - rate_n, path - path_n, self._alpha - alpha_n
+        return (*angles, deflection, force, acceleration)
 
 
 Surroundings = Earth | InitialState | None
