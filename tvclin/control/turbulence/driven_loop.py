@@ -475,33 +475,34 @@ def _sampled(
     sensed = tuple(dict.fromkeys((*plant.sensed, *measured_outputs(autopilot, plant))))
     law = connect(autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (RETURNED,))
     driven = _behind_filter(vehicle, shape, law.batch)
-    # Further states: the command that acts, those on their way, of which the first is the newest
-    # and the last the next to act, and the states of the law.
+    # Indices of the further states: the command that acts, those on their way, from the newest to
+    # the next to act, and the states of the law.
     acting = driven.A.shape[-1]
-    first, last = acting + 1, acting + 1 + int(complete)
-    laws = slice(last + 1, last + 1 + len(law.states))
+    newest, next_to_act = acting + 1, acting + 1 + int(complete)
+    laws = slice(next_to_act + 1, next_to_act + 1 + len(law.states))
     loop = _widened(driven, laws.stop - acting)
     command = vehicle.select((COMMAND,), vehicle.outputs)
     loop.A[..., : len(vehicle.states), acting] = command.B[..., 0]
     loop.rows[..., acting] = command.D[..., 0]
-    # A sample: the law reads the sensors, and its command is the first of those on their way.
+    # A sample: the law reads the sensors, and its command is the newest of those on their way.
     # Inputs 0 and 1 of the law are attitude and attitude rate, the sensors with noise.
     index = [vehicle.outputs.index(name) for name in sensed]
-    sensors, by_sensors = loop.rows[..., index, :], loop.direct[..., index]
+    # what the sensors read of the states, and of the wind
+    sensors, sensors_of_wind = loop.rows[..., index, :], loop.direct[..., index]
     unit = np.eye(laws.stop)
     sample = np.broadcast_to(unit, loop.A.shape).copy()
     sample[..., laws, :] = law.B @ sensors
     sample[..., laws, laws] += law.A
-    sample[..., first + 1 : last + 1, :] = unit[first:last]  # each moves on by one
-    sample[..., first, :] = _times(law.D[..., 0, :], sensors)
-    sample[..., first, laws] += law.C[..., 0, :]
+    sample[..., newest + 1 : next_to_act + 1, :] = unit[newest:next_to_act]  # each moves on by one
+    sample[..., newest, :] = _times(law.D[..., 0, :], sensors)
+    sample[..., newest, laws] += law.C[..., 0, :]
     by_noise, by_wind = np.zeros((*loop.A.shape[:-1], 2)), np.zeros(loop.A.shape[:-1])
-    by_noise[..., laws, :], by_noise[..., first, :] = law.B[..., :2], law.D[..., 0, :2]
-    by_wind[..., laws] = (law.B @ by_sensors[..., np.newaxis])[..., 0]
-    by_wind[..., first] = np.sum(law.D[..., 0, :] * by_sensors, axis=-1)
-    # The last of those on their way arrives and acts: at the sample, or with the rest of the delay.
+    by_noise[..., laws, :], by_noise[..., newest, :] = law.B[..., :2], law.D[..., 0, :2]
+    by_wind[..., laws] = (law.B @ sensors_of_wind[..., np.newaxis])[..., 0]
+    by_wind[..., newest] = np.sum(law.D[..., 0, :] * sensors_of_wind, axis=-1)
+    # The next to act arrives and acts: at the sample, or with the rest of the delay.
     arrival = unit.copy()
-    arrival[acting] = unit[last]
+    arrival[acting] = unit[next_to_act]
     if not rest:
         sample, by_noise, by_wind = arrival @ sample, arrival @ by_noise, by_wind @ arrival.T
     variances = (noise.intensities if noise else np.zeros(2)) / period  # of a sample

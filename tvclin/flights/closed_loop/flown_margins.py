@@ -417,24 +417,24 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
     `CHANGES`. `linear`: linear margin, factor or delay [s]. `pole`: fastest unstable pole [1/s].
     """
     if name == "delay":
-        room = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]
-        end = min(_MAX_OVER_LINEAR * min(linear, _MAX_DELAY_TIMES_POLE / pole), room)
+        longest = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]
+        end = min(_MAX_OVER_LINEAR * min(linear, _MAX_DELAY_TIMES_POLE / pole), longest)
     else:
         end = min(_MAX_OVER_LINEAR * linear, _MAX_FACTOR)
     change = partial(_change, name == "delay", end)
-    # `scan` and `outcomes` of the result: fractions `back`, rising, and the status of their flights
-    limit: SurvivalLimit = limit_above_losses(
-        lambda back: flights.survive(name, change(back)), np.linspace(0.0, 1.0, STEPS + 1)
+    # `back` by field: `scan`, all values, rising; `lost`, that nearest to no change of a flight
+    # that does not survive, minus infinity if there is none; `limit`, a last step above `lost`
+    back: SurvivalLimit = limit_above_losses(
+        lambda fraction: flights.survive(name, change(fraction)), np.linspace(0.0, 1.0, STEPS + 1)
     )
-    # `lost` is the loss nearest to no change: minus infinity if there is none
-    loss = np.inf if limit.lost == -np.inf else float(change(limit.limit))
+    loss = np.inf if back.lost == -np.inf else float(change(back.limit))
     value = min(loss, linear)
-    scan, survives = change(limit.scan)[::-1], (limit.outcomes == SURVIVED)[::-1]
-    cause = RINGS if linear <= loss else str(limit.outcomes[limit.scan == limit.lost][0])
+    scan, survives = change(back.scan)[::-1], (back.outcomes == SURVIVED)[::-1]
+    cause = RINGS if linear <= loss else str(back.outcomes[back.scan == back.lost][0])
     return FlownMargin(
         value=value,
         cause=NOTHING if value == np.inf else cause,
-        survives_beyond=bool(np.any(survives & (scan > change(limit.lost)) & (scan < linear))),
+        survives_beyond=bool(np.any(survives & (scan > change(back.lost)) & (scan < linear))),
         loss=loss,
         linear=linear,
         scan=scan,

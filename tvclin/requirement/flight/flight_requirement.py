@@ -527,12 +527,12 @@ def requirements_along(
 
 
 def base_requirement(sizing: Sizing) -> Requirement:
-    """Return the key of the requirement of a sizing's first dead band, the largest.
+    """Return the key of a sizing's requirement that counts, of its largest dead band.
 
     It has varying parameters if its values are known wherever those with parameters frozen at each
-    flight time are, else frozen parameters.
+    flight time are; else frozen parameters.
     """
-    frozen = Requirement(dead_band=sizing.dead_bands[0])
+    frozen = Requirement(dead_band=sizing.dead_bands[0])  # the largest is the first
     varying = replace(frozen, varying=True)
     has_frozen, values = ~np.isnan(sizing.required[frozen]), sizing.required.get(varying)
     if values is None or np.isnan(values).all() or np.any(np.isnan(values) & has_frozen):
