@@ -489,7 +489,7 @@ class GustOfSpeed:
 
     def __call__(self, vehicle: Vehicle) -> History:
         """Return the gust as wind angles [rad] of a vehicle; `NotKnownError` beyond 30 deg."""
-        plane = self.plane if self.plane == "pitch" else "yaw"
+        plane = "pitch" if self.plane == "pitch" else "yaw"  # in both planes across the path
         angle = float(
             wind_angles.angle_in_plane(self.speed, vehicle.velocity, vehicle.attitude, plane)
         )

@@ -218,19 +218,20 @@ def forecast_free_limit(
     Raises
     ------
     InputError
-        For a wind that changes its sign (y* is not defined for it: give the part of one sign and
+        For a wind that changes its sign (no bound is defined for it: give the part of one sign and
         the reversal), is zero or never ends, for a turn outside [0, pi], and for one plant without
         a real unstable pole or with a faster pair.
 
     Notes
     -----
-    Without drift it is exact: the law that deflects fully until z = D and then holds z = D keeps
-    the largest z that a stop allows, requires no forecast, and survives exactly above y*. With
-    drift it is a bound, of the fast mode alone or, where that is larger, the minimum over all
-    unstable modes, `optimum_deflection`; the slow mode adds a little. With a turn it is a
-    bound of every law; for cos(turn) <= -R/(2 y) a law attains it that knows, after the turn, how
-    the wind goes on. A smaller turn may come when all is used up, at the end of the wind, and then
-    a little more is required: the page on two planes has the proof.
+    Without drift it is exact: the law that deflects fully until the unstable component of the state
+    is the largest that can still be brought back after a stop, and then keeps it there, requires no
+    forecast, and survives exactly above the bound. With drift it is a bound, of the fast mode alone
+    or, where that is larger, the minimum over all unstable modes, `optimum_deflection`; the slow
+    mode adds a little. With a turn it is a bound of every law; for cos(turn) <= -R/(2 y) a law
+    attains it that knows, after the turn, how the wind goes on. A smaller turn may come when all is
+    used up, at the end of the wind, and then a little more is required: the page on two planes has
+    the proof.
 
     Examples
     --------

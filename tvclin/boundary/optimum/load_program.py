@@ -310,7 +310,7 @@ class LoadProgram:
             -np.where(case.unstable, case.rates, 0.0) * (self.nodes - self.nodes[0])[:, np.newaxis]
         )
         start, stop = (decayed[:-1] * weight * case.sizes for weight in (near, far))
-        stop[-1] += decayed[-1] * case.step_states
+        stop[-1] += decayed[-1] * case.step_states  # the last value stays constant
         # real rows of the unstable modes: 1 + j marks both numbers of a pair
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         start, stop = (case.column(row)[:, unstable].T for row in (start, stop))

@@ -389,8 +389,8 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     """Return the fields of `ModeBand` by name, but the name of the mode, of all loops ``(loops,)``.
 
     `terms`: partial fractions of the loops L. `analysis`: their crossings. `k`: index of the mode.
-    `closed`: its closed-loop pole, ``(loops,)``. A mode owns the frequencies at which its partial
-    fraction is the largest term of L, and has the margins at these.
+    `closed`: its closed-loop pole in the variable w of the loops, ``(loops,)``. A mode has the
+    margins at the frequencies that it owns, at which its partial fraction is the largest of L.
     """
     pole = terms.plant[:, k]
     owned = _owned(terms, analysis, k)

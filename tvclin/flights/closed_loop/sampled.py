@@ -369,6 +369,7 @@ def _wind_response(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps
     n, pieces = len(A), wind.pieces
     matrix, begins = piece_matrix(A, gust, pieces), at.begins
     steps = matrix_exponentials(matrix, at.distinct)[:, :n, n:]
+    # each step matrix times the states of the wind's piece at the start of its substep
     added = np.real(at.stepped(steps, input_states(pieces, begins)))
     knots = pieces.knots[:, np.newaxis]
     ends = begins + at.u

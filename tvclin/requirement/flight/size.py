@@ -558,7 +558,14 @@ def _varying_requirements(
             return by_key[key]
         value = 0.0 if wind.known else np.nan
         required, times = np.full(bands.shape, value), np.full(bands.shape, np.nan)
-        return FlightRequirement(value, required, value, False, trim_time=np.nan, times=times)
+        return FlightRequirement(
+            trim=value,
+            required=required,
+            minimum=value,
+            slower_modes=False,
+            trim_time=np.nan,
+            times=times,
+        )
 
     return [
         [
