@@ -31,8 +31,9 @@ from tvclin.flights.closed_loop.checks import (
     fastest_poles,
 )
 from tvclin.flights.closed_loop.law_batch import LawBatch, law_batch, shape_of
+from tvclin.flights.closed_loop.linear_range import finish_by_modes, flown_by_modes
 from tvclin.flights.closed_loop.outcomes import SETTLING, WAITING, decidable
-from tvclin.flights.closed_loop.sampled import finish, flown
+from tvclin.flights.closed_loop.sampled import finish
 from tvclin.flights.closed_loop.sampled_stability import oscillation_growth
 from tvclin.kernels.flight_arrays import NEVER, Cases, Flights, FlightStates
 from tvclin.kernels.flight_arrays import SURVIVED as SURVIVED_CODE
@@ -195,7 +196,9 @@ def fly_many(
     -------
     FlownCases
         Peaks and outcomes. A flight is lost when after its wind it leaves the recoverable set of
-        its unstable modes, and survives when it has settled well inside. A surviving flight "rings"
+        its unstable modes, and survives when it has settled well inside; also, of a linear law,
+        when it settles slowly, but its modes show that it does and reaches no limit: it ends then,
+        fifty time constants of the fastest unstable pole after its wind. A surviving flight "rings"
         if an oscillation of its loop is unstable in the linear range, of bending or slosh most
         often, because the nozzle then has a limit cycle; a flexible vehicle also if its nozzle,
         continued in still air, does not settle between its limits. A case whose limit is not
@@ -284,7 +287,7 @@ def fly_many(
     if not np.any(possible):
         return flown_cases(None, possible, rings=possible)  # no case: nothing rings
     flyable = batch if np.all(possible) else batch.only(possible)
-    f = flown(flyable)
+    f = flown_by_modes(flyable)
     return flown_cases(f, possible, unstable_loops(flyable, f))
 
 
@@ -310,7 +313,7 @@ def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
         )
         f = start._replace(cases=Cases._make(cases), now=FlightStates._make(now))
         f.cases.limit[:] = limits
-        finish(f, flight.laws)
+        finish_by_modes(f, flight)
         possible = np.ones(limits.shape, bool)  # the flight itself is decidable, whatever its limit
         return flown_cases(f, possible, rings=unstable_loops(flight, f)).status
 

@@ -71,7 +71,9 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     # states of the system and of the law, and delayed commands; blocks of loops bound the memory
     size = f.now.y.shape[1] + f.now.states.shape[1] + f.now.commands.shape[1]
     blocks = np.array_split(first, -(-first.size * size // _MAX_ROWS))
-    eigenvalues = np.concatenate([np.linalg.eigvals(_steps(batch, f, block)) for block in blocks])
+    eigenvalues = np.concatenate(
+        [np.linalg.eigvals(loop_steps(batch, f, block)[0]) for block in blocks]
+    )
     values = eigenvalues.astype(complex)[which.ravel()]
     h = f.steps.lengths[f.cases.vehicle, 0]
     frequencies = np.abs(np.angle(values)) / h[:, np.newaxis]
@@ -88,26 +90,29 @@ def equilibrium_step(batch: Batch) -> FloatArray:
     It acts on the states of vehicle, nozzle and law, and the pending commands, latest first.
     `batch`: batch of one flight.
     """
-    return _steps(batch, flights(batch), np.zeros(1, np.intp))[0]  # of flight number 0
+    steps, _ = loop_steps(batch, flights(batch), np.zeros(1, np.intp))
+    return steps[0]  # of flight number 0
 
 
-def _steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the matrices of k loops over a sample at equilibrium, finite ones, ``(k, n, n)``.
+def loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray, FloatArray]:
+    """Return step matrices of k loops at equilibrium, ``(k, n, n)``, and rows of commands.
 
-    A matrix whose entries are not finite is replaced by one with a huge eigenvalue. `batch`, `f`:
-    all flights, and their arrays. `cases`: indices of the k flights.
+    A matrix over a sample whose entries are not finite is replaced by one with a huge eigenvalue.
+    The rows ``(k, n)`` give the commanded deflections [rad] from the n states of
+    `equilibrium_step`. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k
+    flights.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        steps = _loop_steps(batch, f, cases)
+        steps, commands = _loop_steps(batch, f, cases)
     # A gain whose step matrix (last two axes) overflows is unstable.
     steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_OVERFLOW_EIGENVALUE * np.eye(
         steps.shape[-1]
     )
-    return steps
+    return steps, commands
 
 
-def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
-    """Return the matrices of k loops over a sample at equilibrium, ``(k, n, n)``.
+def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray, FloatArray]:
+    """Return step matrices of k loops at equilibrium, ``(k, n, n)``, and command rows ``(k, n)``.
 
     They act on the n states of `equilibrium_step`, and each signal of the loop is a matrix of its
     coefficients on them. The last `command_count` commands [rad], of which all but one are pending,
@@ -158,7 +163,8 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
         J = f.steps.joint[vehicles, index]  # columns: states of vehicle and nozzle, the command
         stepped = J[..., :order] @ stepped + J[..., order : order + 1] @ now
     states = per_case(f.laws.memory) @ signals
-    return np.concatenate([stepped, states, commands[:, : command_count - 1]], axis=1)
+    rows = [stepped, states, commands[:, : command_count - 1]]
+    return np.concatenate(rows, axis=1), command[:, 0]
 
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
