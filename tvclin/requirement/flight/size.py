@@ -556,16 +556,10 @@ def _varying_requirements(
         """Return the requirement of a wind; zero in a calm, which has no key, NaN if not known."""
         if key is not None:
             return by_key[key]
-        value = 0.0 if wind.known else np.nan
-        required, times = np.full(bands.shape, value), np.full(bands.shape, np.nan)
-        return FlightRequirement(
-            trim=value,
-            required=required,
-            minimum=value,
-            slower_modes=False,
-            trim_time=np.nan,
-            times=times,
-        )
+        none, times = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
+        required = np.full(bands.shape, none)
+        sizes: dict[str, Any] = {"trim": none, "required": required, "minimum": none}
+        return FlightRequirement(**sizes, slower_modes=False, trim_time=np.nan, times=times)
 
     return [
         [
