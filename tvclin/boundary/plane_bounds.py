@@ -521,9 +521,9 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
     limit_shape, cells = moments.limit_shape, moments.cell_integrals
-    # The k conditions in another basis (`rows`), orthonormal over the cells and divided by the
-    # largest deflection of S in the plane: l then has numbers of one size, and N(l) bounds each of
-    # them by `ends`.
+    # The conditions, one for each pole, in another basis (`rows`): orthonormal over the cells and
+    # divided by the largest deflection of S in the pole's plane (`reach`). The numbers of l are
+    # then of one size, and N(l) bounds each of them by `ends`. `triangle` leads back.
     q, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
     reach = limit_shape.support(moments.axes)
     rows = (q[: cells.shape[1]] + 1j * q[cells.shape[1] :]).T / reach[:, np.newaxis]

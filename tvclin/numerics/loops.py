@@ -294,7 +294,10 @@ class StateLoop:
         return self._fraction(values, omega)
 
     def value(self, s: AnyArray) -> AnyArray:
-        """Return L with its delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
+        """Return k loops L with their delay at m complex frequencies `s` each [1/s], ``(k, m)``.
+
+        No frequency is a pole.
+        """
         return product(self._modal_sum(s), np.exp(-s * self.delay[:, np.newaxis]))
 
     def slope(self, s: AnyArray) -> AnyArray:

@@ -231,9 +231,10 @@ class LocusPoles:
         padded = np.pad(above, (below.size - above.size, 0))  # as long as the denominator
 
         def closed(factors: FloatArray) -> AnyArray:
-            """Return the b closed-loop poles [1/s] at n factors ``(n,)`` on the gain, ``(n, b)``.
+            """Return the b closed-loop poles [1/s] at m factors ``(m,)`` on the gain, ``(m, b)``.
 
-            They are roots of d + k n: `below` is d, and `padded` n.
+            At a factor k they are the roots of the polynomial `below` + k `padded`, denominator
+            and numerator of the loop with coefficients of the highest power first.
             """
             return polynomials.roots(below + factors[:, np.newaxis] * padded).astype(complex)
 
@@ -252,7 +253,10 @@ class LocusPoles:
         A, B, C, D = system
 
         def closed(factors: FloatArray) -> AnyArray:
-            """Return b closed-loop poles [1/s] at each of n factors on the gain, ``(n, b)``."""
+            """Return the b closed-loop poles [1/s] at m factors ``(m,)`` on the gain, ``(m, b)``.
+
+            At a factor k they are the eigenvalues of A - k B C/(1 + k D), by `to_s` in the s plane.
+            """
             k = factors[:, np.newaxis, np.newaxis]
             return to_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
 

@@ -244,12 +244,12 @@ class Equations:
 
     @classmethod
     def of_plant(cls, plant: Plant) -> Self:
-        """Return the constant equations of plants at nominal dynamic pressure, one or ``(n,)``."""
+        """Return the constant equations of plants, one or ``(n,)``, the same at any pressure."""
         return cls._of([plant] * len(PRESSURES))
 
     @classmethod
     def _of(cls, plants: Sequence[Plant]) -> Self:
-        """Return the constant equations of plants, a sequence of the plant at each of `PRESSURES`.
+        """Return the constant equations of plants, given at each pressure q/q_n of `PRESSURES`.
 
         A plant may be a batch ``(n,)``. Constant equations have a single step, with the same E =
         [A b w] at its begin, middle and end: state matrix, columns of deflection and of wind.

@@ -93,7 +93,7 @@ class Motion(Protocol):
 
     @property
     def fastest(self) -> FloatArray:
-        """Largest rate [1/s] of the attitude of each vehicle, ``(n,)``."""
+        """Inverse of the shortest time constant [1/s] of each vehicle's attitude, ``(n,)``."""
 
     @property
     def breakpoints(self) -> FloatArray:

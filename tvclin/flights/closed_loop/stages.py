@@ -152,16 +152,17 @@ class Stages:
     def batch(self, which: IntArray, limit: FloatArray, rate_limit: FloatArray) -> Batch:
         """Return a batch of m flights with limits, from equilibrium.
 
-        Laws and vehicles of the batch are one for each sample of all flights; the index of a flight
-        is that of its first sample, from which the kernel counts on. `which`: index of the wind of
-        each flight, ``(m,)``, which also selects its vehicle. `limit`, `rate_limit`: limits of
-        deflection [rad] and deflection rate [rad/s], ``(m,)``.
+        Numbers of laws and matrices of vehicles have a row for each sample, flight by flight; a
+        flight of the batch has the index of the row of its first sample, from which the kernel
+        steps to the next. `which`: index of the wind of each flight, ``(m,)``, which also selects
+        its vehicle. `limit`, `rate_limit`: limits of deflection [rad] and its rate [rad/s],
+        ``(m,)``.
         """
         chains = Chains(self.laws.attitude_filters, self.laws.rate_filters, self.laws.filters)
-        vehicle = self.first_sample[self.flight_of_wind[which]]
+        first_row = self.first_sample[self.flight_of_wind[which]]
         numbers: Any = self._law_rows.view(np.recarray)
-        laws = LawBatch(
-            laws=(), numbers=numbers, chains=[chains], which=vehicle, sensors=self.sensors
+        laws = LawBatch(  # no `laws`: the kernel takes their numbers
+            laws=(), numbers=numbers, chains=[chains], which=first_row, sensors=self.sensors
         )
         return Batch(
             self.plants,
@@ -171,7 +172,7 @@ class Stages:
             limit=limit,
             shape=limit.shape,
             until=float(self.times.max()),
-            vehicle=vehicle,
+            vehicle=first_row,
             encountered=which,  # indices of winds
         )
 

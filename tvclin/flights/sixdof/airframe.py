@@ -351,10 +351,10 @@ class Airframe:
         trajectory: FloatArray | None = None,
         sensors: LateralSensors = NO_LATERAL_SENSORS,
     ) -> FloatArray:
-        """Return the `OUTPUTS` of a flight from the nominal state [rad, rad/s], ``(m, 5)``.
+        """Return attitude, its rate, path angle, angle of attack and deflection, ``(m, 5)``.
 
-        They are deviations from the nominal flight, and end after the first attitude beyond 25 deg
-        or number that is not finite.
+        They are the `OUTPUTS` of a flight from the nominal state, deviations [rad, rad/s] from the
+        nominal flight, and end after the first attitude beyond 25 deg or number that is not finite.
 
         `steering`: function of the deflection. `speeds`: wind speed [m/s] at each step, along the
         flight or to its right, ``(n,)``, m <= n; the first is zero. `angles`: wind angle [rad],

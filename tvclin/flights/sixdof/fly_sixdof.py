@@ -347,8 +347,9 @@ def planes_verdict(
     def survives(limit: float) -> bool:
         """Return whether the vehicle survives the wind with a deflection limit [rad].
 
-        It does if at the end of the flight its attitudes are within `MAX_ATTITUDE`, and the
-        magnitude of its attitude rates in both planes is small against peak of wind times `pole`.
+        It flies with the `law` in both planes through `speeds` and `angles` of the wind. It
+        survives if at the end its attitudes are within `MAX_ATTITUDE`, and the magnitude of its
+        attitude rates is small against the peak of the wind times the unstable `pole` [1/s].
         """
         with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
             steering = _steering(law, limit, step)

@@ -115,6 +115,7 @@ _FLAT_RADIUS = 1e13
 _ALONG = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 Direction = tuple[float, float, float]
+"""Components x, y and z of a unit vector."""
 Tree = str | float | tuple[Any, ...]
 """A formula: a property, a number, or the name of an operation with its parts."""
 
@@ -276,8 +277,9 @@ def _force(
 ) -> None:
     """Add an external force to an element `parent`.
 
-    `name`, `frame`: its name, and "BODY" or "LOCAL" axes of its direction. `size`: formula of its
-    magnitude [lb]. `aft`: distance of its point of action aft of the centre of gravity [m].
+    `name`: its name. `frame`, `direction`: axes, "BODY" or "LOCAL" (north, east, down), and the
+    components in them of the force's unit vector. `size`: formula of its magnitude [lb]. `aft`:
+    distance of its point of action aft of the centre of gravity [m].
     """
     force = SubElement(parent, "force", name=name, frame=frame)
     _function(force, size)

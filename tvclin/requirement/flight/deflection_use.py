@@ -74,6 +74,8 @@ def autopilot_requirements(
 ) -> AutopilotRequirements:
     """Return the autopilot requirement of each wind at each flight time of a sizing.
 
+    It is the smallest deflection limit [rad] above which the autopilot survives with every limit.
+
     Parameters
     ----------
     sizing : Sizing

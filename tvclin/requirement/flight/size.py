@@ -161,13 +161,14 @@ def _required(
     for k, name in enumerate(names):
         required[name] = _larger(corners[name], needs, lambda vector, k=k: vector.required[k])
         if (along := replace(name, varying=True)) in corners:
-            # with varying parameters the planes' limit is raised in the ratio of frozen parameters
+            # with varying parameters the planes' limit is raised as much as with frozen ones
             positive = corners[name] > 0.0
             ratio = np.ones(positive.shape)
             np.divide(required[name], corners[name], out=ratio, where=positive)
             none_fixed = np.full(len(pitch.winds), np.nan)
             fixed = ~np.isnan(arises.get(along, none_fixed))
-            largest_ratio = np.nanmax(ratio, axis=0, initial=1.0)  # one number for the flight
+            # a wind fixed in flight time has one requirement, whatever the flight time of the row
+            largest_ratio = np.nanmax(ratio, axis=0, initial=1.0)
             required[along] = corners[along] * np.where(fixed, largest_ratio, ratio)
     return required, np.any([required[name] > corners[name] for name in names], axis=0)
 
