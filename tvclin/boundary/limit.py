@@ -110,7 +110,7 @@ class ExitProblem:
     def demands_after_trim(
         self, cases: IndexArray, heights: FloatArray, poles: AnyArray
     ) -> AnyArray:
-        """Return the demand of m modes after trim up to a height, over the trim B alpha_w,max.
+        """Return the demand of m modes after trim up to a height, normalised by static trim.
 
         `cases`: indices in the flattened batch, ``(n,)``. `heights`: sizes of trim, positive,
         ``(n,)``. `poles`: of the modes [1/s], real or complex, ``(n, m)``. Returned: the constant

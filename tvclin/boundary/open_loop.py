@@ -79,7 +79,7 @@ class _AfterTrim:
         which trim has the size K L; the vehicle diverges where m(L) > L.
 
         `cases`: n indices of cases. `limits`: their L. `sufficient`: deflections returned in place
-        of m(L) where they are proved to be no less. All are normalised by the trim B alpha_w,max.
+        of m(L) where they are proved to be no less. All are normalised by static trim.
         """
         poles = self.modes[cases]
         # z: constant deflection that each mode requires by itself after trim up to K L; z over the
@@ -95,7 +95,7 @@ def _iterated(
 
     m(L) is the minimum peak after trim up to K L; no limit between both sides diverges. `after`:
     the problem. `cases`: n indices in it. `lower`: other requirements, below which no limit counts.
-    `highest`: starts, which do not diverge. Limits are normalised by the trim B alpha_w,max.
+    `highest`: starts, which do not diverge. Limits are normalised by static trim.
     """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)

@@ -109,7 +109,7 @@ def two_plane_requirement(
     """Return the requirement of one wind in two planes, for each dead band K of `bands`.
 
     `pair`: plants and wind. `limit_shape`: of the nozzle. `literal`: whether the exit of the dead
-    band is on trim, not on the wind. `InputError` for a wind that turns where b1 is negative.
+    band is on trim, not on the wind. `InputError` as `_check_turning`.
     """
     scalar_case = _scalar_case(pair)  # plant and wind along one direction, None in other cases
     if scalar_case is not None:

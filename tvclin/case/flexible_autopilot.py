@@ -96,8 +96,8 @@ def stop_boundary(
 ) -> ClosedLoopBoundary:
     """Return the minimum limit of a law in one wind, sought up to `limit` [rad] if none is lower.
 
-    A first scan ends at some multiples of B alpha_w,max, static trim; only where none of these
-    limits survives and `limit` lies above, a second one goes on to it. `plant`: one plant.
+    A first scan ends at some multiples of static trim; only where none of these limits survives and
+    `limit` lies above, a second one goes on to it. `plant`: one plant.
     `hardware`: actuator, rate limit, delay and sample rate of flights, by name. `InputError` where
     flights have no boundary, as in an endless wind.
     """

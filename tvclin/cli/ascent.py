@@ -341,7 +341,8 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
 
     `request`: the flight, its times and winds. `sizing`: its result, with the required deflection
     by time and wind. Times may be added that no option excluded, or left out where a wind is not
-    known; a window is advised where beta or B changes by more than a tenth within a sounding.
+    known; a window is advised where beta (rate of the attitude) or B (trim deflection per angle of
+    attack) changes by more than a tenth within a sounding.
     """
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))

@@ -102,6 +102,8 @@ def _print_over_duration(
 ) -> None:
     """Print boundary limits y_BR over duration tau beta, `x` ``(n,)``, and dead band K, ``(k,)``.
 
+    y_BR is a ratio to static trim, tau the duration, and beta the unstable pole on a fixed path.
+
     `subject`: name of the vehicle, plant, plane and wind shape. `shape`: shape of --wind, None
     without it. `more`: whether all notes are printed.
     """
@@ -149,7 +151,8 @@ def _subject(
     """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1.
 
     `time`: flight time [s] of a schedule. `motion`: options of model and plane. Without a vehicle
-    the flight path is fixed, where y_BR over tau beta is the same for all, and the name is empty.
+    the flight path is fixed and the name empty: y_BR over tau beta is then the same for all poles
+    beta [1/s] and all B, the trim deflection per angle of attack.
     """
     if vehicle is None:
         motion.only_with("a vehicle")

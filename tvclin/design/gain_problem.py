@@ -190,7 +190,8 @@ class GainProblem:
     def _scales(self) -> tuple[float, float, tuple[float, float]]:
         """B, beta [1/s], and the largest (a0 + b0)/B and a1 beta/B of the search range.
 
-        The gains are a0 on attitude, a1 on its rate, b0 on the angle of attack. Poles of a natural
+        B is trim deflection per angle of attack, beta the unstable pole on a fixed path. The gains
+        are a0 on attitude, a1 on its rate, b0 on the angle of attack. Poles of a natural
         frequency w and a damping ratio of 1 take 1 + (w/beta)^2 and 2 w/beta; w is `fastest`, the
         largest useful frequency, and the first may be half as much again.
         """

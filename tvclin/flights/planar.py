@@ -104,7 +104,8 @@ class PlanarMotion:
         The states are deviations from the nominal flight: attitude [rad], its rate [rad/s], flight
         path angle [rad], relative speed, altitude [m] and the sensors' states. `deflection`:
         deflection minus the nominal one [rad]. `gust`: wind angle of attack [rad] relative to the
-        nominal flight. Forces of the air are the vehicle's times `ratio`, q/q_n.
+        nominal flight. Forces of the air are the vehicle's times `ratio`, the dynamic pressure over
+        the nominal one.
         """
         now = self._nominal_state(t)
         theta, theta_rate, gamma, relative_speed, *_ = x
@@ -209,7 +210,7 @@ class PlanarMotion:
         Forces are summed across the path and along it. Only the control force, a part of the
         thrust, turns with the nozzle. `now`: the nominal flight. `theta`, `gamma`: deviations of
         attitude and flight path from it [rad]. `speed`: [m/s]. `alpha`: angle of attack [rad].
-        `ratio`: q/q_n. `delta`: deflection [rad].
+        `ratio`: dynamic pressure over the nominal one. `delta`: deflection [rad].
         """
         v, lean = self.vehicle, theta - gamma
         weight = now.mass * STANDARD_GRAVITY

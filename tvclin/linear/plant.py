@@ -50,7 +50,7 @@ _OUTPUTS = ("attitude", "attitude_rate", "flight_path_angle", "angle_of_attack")
 
 
 def available_models(coefficients: Coefficients) -> list[str]:
-    """Return names of the models that exist for coefficients: "drift" only with mu_alpha."""
+    """Return names of the models of coefficients: "drift" only with a moment of the air."""
     instance("coefficients", coefficients, Coefficients, "see Coefficients.from_vehicle")
     without_moment = np.any(np.asarray(coefficients.mu_alpha) == 0.0)
     return [name for name in MODELS if name != "drift" or not without_moment]

@@ -474,8 +474,8 @@ def _figure(
     """Return figure 10 or 11 of the report: boundary limits y_BR over tau beta, by dead band.
 
     `number`: 10 or 11. `name`: name of the vehicle. `dead_bands`: K, a panel each. `tau_beta`:
-    durations of winds with a frozen vehicle. `along`: durations along the flight. `engine`: name of
-    the engine of flights, None for the usual one.
+    durations of winds times the unstable pole, of flights with a frozen vehicle. `along`: those of
+    flights along the flight. `engine`: name of the engine of flights, None for the usual one.
     """
     engine = chosen_engine(engine)
     errors.instance("vehicle", name, str, "what load_vehicle finds it by")

@@ -141,8 +141,8 @@ def _wind_and_control(
     """Return sketch (a) or (b): a wind, trim, and the deflection of the control.
 
     `name`: name of its numbers. `title`: title. `tau_beta`: duration of the wind times the pole.
-    `dead_band`: K of the control. The wind has a peak and a duration of one, and B is one, so that
-    trim is minus the wind, and the control is shown with the opposite sign, over trim.
+    `dead_band`: K of the control. Peak and duration of the wind, and trim deflection per angle of
+    attack are one, so that trim is minus the wind; the control is shown with the opposite sign.
     """
     plant = Plant(Coefficients.from_beta(beta=tau_beta, B=1.0), "fixed-path")
     boundary = boundary_limit(plant, wind, dead_band)

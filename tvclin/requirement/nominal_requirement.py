@@ -383,7 +383,7 @@ class KnownWind(Shown):
     def first_segment(self) -> str:
         """Direction of the first segment of the deflection, in words: of trim it opposes the wind.
 
-        With a positive B trim of a wind has the sign opposite to the wind angle.
+        Trim in a wind is -B times its angle, B being trim deflection per angle of attack.
         """
         deflection = self.best.deflection
         if np.isinf(deflection.onset):

@@ -185,8 +185,9 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
     """Yield the assumption of constant parameters during the wind, with their effect.
 
     `findings`: results of a study plan; the effect is that along its flight, if it has one: the
-    relative change of beta or B during the wind, and the requirements with it and without, at the
-    flight time and in the wind of the largest total. Nothing is yielded where that is not known.
+    relative change during the wind of beta (rate of the attitude) or B (trim deflection per angle
+    of attack), and the requirements with it and without, at the flight time and in the wind of the
+    largest total. Nothing is yielded where that is not known.
     """
     still = "Mass, thrust, air and speed stay as they are while the wind blows"
     if findings.flight is None:

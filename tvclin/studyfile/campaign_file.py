@@ -292,8 +292,9 @@ _MAX_VEHICLE_DIFFERENCE = 0.05
 def differing_vehicle(vehicle: AnyVehicle, schedule: FlightSchedule) -> str:
     """Return the name of a vehicle whose flight has other numbers at its time, with one of them.
 
-    Empty where speed, mu_alpha and mu_delta in pitch agree, and for a vehicle without a time of the
-    flight. `vehicle`: that of the study. `schedule`: the flight.
+    Empty for a vehicle without a time of the flight, and where speed, and moment over inertia per
+    angle of attack and per deflection (mu_alpha, mu_delta) in pitch agree. `vehicle`: that of the
+    study. `schedule`: the flight.
     """
     first, last = schedule.span
     time = vehicle.time if isinstance(vehicle, Vehicle) else None

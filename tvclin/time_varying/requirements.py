@@ -191,9 +191,10 @@ def encountered_at_steps(
 ) -> tuple[FloatArray, ...]:
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
-    `motion`: its breakpoints and fastest rate set the steps. `encountered`: winds, or a sequence of
-    winds with the same number of steps. `parts`: number of substeps of each step. A wind that jumps
-    where a step ends has there its value before the jump.
+    q/q_n is the dynamic pressure over the nominal one. `motion`: its breakpoints and fastest rate
+    set the steps. `encountered`: winds, or a sequence of winds with the same number of steps.
+    `parts`: number of substeps of each step. A wind that jumps where a step ends has there its
+    value before the jump.
     """
     if isinstance(encountered, Sequence):
         winds = [encountered_at_steps(motion, wind, parts) for wind in encountered]
@@ -212,8 +213,8 @@ def with_calm_after(
     """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
 
     `equations`: of n cases, or common to all. `times` [s], `wind` [rad], `ratio`: times, wind
-    angles and q/q_n at begin, middle and end of the steps over the wind, ``(n, S, 3)``; times may
-    be common, ``(1, S, 3)``.
+    angles and q/q_n, dynamic pressure over the nominal one, at begin, middle and end of the steps
+    over the wind, ``(n, S, 3)``; times may be common, ``(1, S, 3)``.
     """
     count = int(steps_after(equations).max())
     rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)  # [1/s]
@@ -575,9 +576,9 @@ class SteppedWinds:
         """Return whether flights of the ideal trim law diverge, ``(k, tries)``.
 
         `limits`: deflection limits [rad] to try in each of k winds, ``(k, tries)``. `cases`:
-        indices of these winds, by default all. Where mu_alpha changes its sign, a flight also
-        diverges with an attitude above `MAX_LINEAR_ANGLE` before the calm of `with_calm_after`: a
-        vehicle that becomes stable turns back from any attitude, by linear equations.
+        indices of these winds, by default all. Where the aerodynamic moment changes its sign, a
+        flight also diverges with an attitude above `MAX_LINEAR_ANGLE` before the calm that follows:
+        a vehicle that becomes stable turns back from any attitude, by linear equations.
         """
         winds = self if isinstance(cases, slice) else self.select(cases)
         equations, count = winds.equations, winds.wind.shape[1]  # number of steps

@@ -141,9 +141,9 @@ def relief_gains(
 
     Notes
     -----
-    With theta'' = theta' = 0 the deflection a0 theta + b0 alpha equals B alpha, and before the path
-    has changed theta = alpha + alpha_w; so alpha = -a0/(a0 + b0 - B) alpha_w. With drift the slow
-    pole of the closed loop lies near w - ratio (b1 + w), where w = C2/mu_alpha =
+    With theta'' = theta' = 0 the deflection a0 theta + b0 alpha is trim, B alpha, and before the
+    path has changed theta = alpha + alpha_w; so alpha = -a0/(a0 + b0 - B) alpha_w. With drift the
+    slow pole of the closed loop lies near w - ratio (b1 + w), where w = C2/mu_alpha =
     g sin(Theta_n)/V_n: below the ratio w/(b1 + w) gravity turns the path away.
     """
     coefficients, ratio = _coefficients(plant), errors.nonnegative("alpha_ratio", alpha_ratio)
@@ -319,8 +319,8 @@ def _coefficients(plant: PlantOrVehicle) -> Coefficients:
 def _check_stiffness(coefficients: Coefficients, natural_frequency: ArrayLike) -> None:
     """Raise `InputError` for a natural frequency of the loop [rad/s] below the vehicle's alone.
 
-    `coefficients`: of one vehicle or a batch; aerodynamically stable ones have the frequency
-    sqrt(-mu_alpha), unstable ones count as zero. `natural_frequency`: ``(...)``, which broadcasts.
+    `coefficients`: of one vehicle or a batch; with a stable aerodynamic moment over the inertia,
+    mu_alpha < 0, the frequency is sqrt(-mu_alpha), else zero. `natural_frequency`: ``(...)``.
     """
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     errors.broadcast(coefficients=coefficients.batch, natural_frequency=frequency.shape)
@@ -341,11 +341,11 @@ def _stiffness(
 ) -> tuple[Any, Any]:
     """Return the stiffness gain a0 + b0 and the rate gain a1 [s] of a closed loop on a fixed path.
 
-    a0 is the gain on the attitude, b0 on the angle of attack: a0 + b0 = (omega_n^2 +
-    mu_alpha)/mu_delta and a1 = (2 zeta omega_n - d)/mu_delta, d being the vehicle's own damping
-    M_q/I [1/s]. `coefficients`: of one vehicle or a batch.
-    `natural_frequency`, `damping`: omega_n [rad/s] and damping ratio zeta of the loop; all
-    broadcast. `InputError` for less damping than the vehicle alone has.
+    With gains a0 on attitude and b0 on angle of attack: a0 + b0 = (omega_n^2 + mu_alpha)/mu_delta
+    and a1 = (2 zeta omega_n - d)/mu_delta, of moments over the inertia per angle of attack and per
+    deflection [1/s^2], and of the vehicle's own damping d [1/s]: `coefficients`. All broadcast with
+    `natural_frequency`, `damping`: omega_n [rad/s] and damping ratio zeta of the loop. `InputError`
+    for less damping than the vehicle alone has.
     """
     frequency = positive_in_range("natural_frequency", natural_frequency, "rad/s")
     ratio, c = positive_in_range("damping", damping), coefficients

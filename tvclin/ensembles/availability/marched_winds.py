@@ -179,10 +179,10 @@ class PlaneMarch:
         """Return the largest min(trim, demand) [rad] of n winds at their levels, ``(n,)``.
 
         Levels are the times of `winds`, most of which lie within a step. The demand is the limit
-        sufficient when held from then on; trim is -B q/q_n alpha_w, B q/q_n per angle of attack,
-        and what balances drift, which is linear between the ends of steps. Where two unstable modes
-        are a pair, trim alone counts. `march`: trim and demand over the steps. `stepped`: wind
-        angles and q/q_n over the steps.
+        sufficient when held from then on; trim is -B q/q_n alpha_w, static trim at the dynamic
+        pressure q over the nominal q_n, and what balances drift, linear between the ends of steps.
+        Where two unstable modes are a pair, trim alone counts. `march`: trim and demand over the
+        steps. `stepped`: wind angles and q/q_n over the steps.
         """
         steps, equations = self._steps  # begin, middle and end of S steps, (1, S, 3)
         # row of the angular acceleration in [A b w], whose last columns are deflection and wind

@@ -352,8 +352,8 @@ class Stages:
         """Return the matrices of m samples of one flight by name, with a pressure for each sample.
 
         `flight`: index of the flight. `times`: starts of the samples [s], ``(m,)``. `pressure`:
-        q/q_n in a sample, ``(m,)``, the same in the middle of all its parts. `change`: change of
-        q/q_n from there to the second Gauss point of each part, ``(m,)``.
+        dynamic pressure over the nominal one in a sample, ``(m,)``, the same in the middle of all
+        its parts. `change`: its change from there to the second Gauss point of each part, ``(m,)``.
         """
         places = self._places(times)  # rows: both Gauss points of each part, start, middle
         parts = len(places) // 2 - 1
@@ -416,8 +416,8 @@ class Stages:
 
         `places`: times [s] ``(places, m)``: the first Gauss points of each part of a sample, the
         second ones, the starts of the samples, and perhaps their middles. `flight`, `pressure`:
-        indices of flights and q/q_n at these times, ``(places m,)``. `middle`: whether the places
-        include the middles, for the matrices A and gust input there. Step matrices are those of the
+        indices of flights, and dynamic pressures over the nominal one, ``(places m,)``. `middle`:
+        whether the places include the middles, for A and gust there. Step matrices are those of the
         constant system that equals the varying one over a part to fourth order, from its values at
         both Gauss points. Names: joint, ramp and fine as in `Steps`; shown, A and gust as in
         `Vehicles`.
