@@ -409,7 +409,7 @@ def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
         line.append(n)
     if not rows:
         raise InputError(f"{text.source} has no row below its line of names")
-    rows = _with_points(text, line, rows)
+    rows = _with_decimal_points(text, line, rows)
     numbers, notes = np.array(line, dtype=np.int64), _skipped(text.lines[:head])
     return Sheet(text, headings, line=numbers, cells=tuple(rows), head=head, notes=notes)
 
@@ -424,7 +424,7 @@ def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
     return (f"{count} above the names of columns skipped, the first {shown(above[0])}",)
 
 
-def _with_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:
+def _with_decimal_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:
     """Return the cells of `rows` with decimal points: without any point, commas are decimal.
 
     A comma is doubtful if all commas may separate thousands, "1,234". `line`: line numbers of

@@ -578,8 +578,8 @@ def load_trade_off(
     Returns
     -------
     LoadTradeOff
-        Each limit is attained by a deflection whose load is computed between the nodes too, and
-        bounded from below by the prices of its program: within 1e-4, or a note says more.
+        A computed deflection attains each limit, with its load known between the nodes too. The
+        lower bound, from multipliers of the program, is within 1e-4, or a note says more.
 
     Raises
     ------
@@ -591,9 +591,8 @@ def load_trade_off(
     -----
     Without a limit of the deflection the minimum load of a wind without jumps is zero; a jump at
     the onset leaves its size, a later one half of it. A wind that may stop at its peak is such a
-    jump: half of it is the minimum load of a law that must survive that. With a rate limit or M the
-    minimum load is that of a computed control, on nodes that resolve the oscillating zeros of the
-    load too; its lower bound may be less.
+    jump: half of it is the minimum load of a law that must survive that. With a rate limit or M a
+    computed control has the minimum load; its lower bound may be less.
 
     Examples
     --------
@@ -618,7 +617,6 @@ def load_trade_off(
         load_bounds = load_check("loads", errors.one_row("loads", loads, "rad"), "rad")
     case = load_limits(plant, wind, M, rate)
     if loads is None:
-        # ten loads, from a little above the minimum to the load of the minimum deflection
         low, high = max(1.05 * case.minimum_load, 0.2 * case.load_of_minimum), case.load_of_minimum
         load_bounds = np.linspace(min(low, high), high, 10)
         if load_limit is not None:

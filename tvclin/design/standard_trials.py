@@ -372,11 +372,16 @@ def limit_tables(
     head = ("wind", *(law.replace("-", " ") for law in laws), "any law")
 
     def rows(unit: str, scales: Mapping[str, float]) -> Iterator[tuple[Line, ...]]:
-        """Yield the rows of limits times the scale of each wind; `unit`: end of their keys."""
-        for j, (wind, entry) in enumerate(wind_bounds.items()):
+        """Yield a row of each wind: limits of all `laws`, and the bound without a forecast.
+
+        `scales`: factor of a wind on limits over trim: its trim [deg], or 1. `unit`: end of the
+        keys for JSON, as in "laws.0.any_deg" of the first wind.
+        """
+        for j, (wind, wind_bound) in enumerate(wind_bounds.items()):
             scale, key = scales[wind], f"laws.{j}"
             cells = [_limit(f"{key}.{law}{unit}", by_name[wind, law], scale) for law in laws]
-            yield ((wind,), *cells, number_cell(f"{key}.any{unit}", scale * entry.no_forecast))
+            any_law = number_cell(f"{key}.any{unit}", scale * wind_bound.no_forecast)
+            yield ((wind,), *cells, any_law)
 
     def minimum_rows() -> Iterator[tuple[Line, ...]]:
         """Yield a row of each wind: trim [deg], and the minimum of any control [deg], over trim.
@@ -414,10 +419,10 @@ def load_table(trials: Sequence[LawTrial]) -> Table:
 
 
 def scan_text(trials: Sequence[LawTrial]) -> str:
-    """Return the range and the steps of the limits that `trials` flew, over ideal trim, as text.
+    """Return the text on the deflection limits of `trials`, over trim: their range and steps.
 
-    All trials fly the first's limits: a coarse scan of `STEPS` steps, and `ABOVE` of these above
-    each edge of losses in `PARTS` parts each.
+    The limits are the same in all trials. A scan has `STEPS` steps; above its largest lost limit
+    `ABOVE` steps are scanned again, each in `PARTS` parts.
     """
     trial = trials[0]
     step = (trial.highest - trial.lowest) / STEPS

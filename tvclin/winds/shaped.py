@@ -204,7 +204,7 @@ class ShapedWind:
     @property
     def placed_gust(self) -> History | None:
         """Gust with its middle at `gust_at`, or in the middle of the wind; None without a gust."""
-        return self.gust_history({})
+        return self.gust_history({})  # without dispersed values: the nominal gust
 
     @property
     def nominal(self) -> dict[str, float]:

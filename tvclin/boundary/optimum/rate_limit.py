@@ -95,10 +95,10 @@ class RateProgram:
         return self.rate * np.diff(self.nodes) / self.unit
 
     def residual(self, values: FloatArray) -> float:
-        """Return the largest relative violation of a moment condition, a pure number.
+        """Return the largest violation of the n conditions of survival, relative to their terms.
 
-        The conditions: the moments of the deflection are the demands [rad s] of `constraints`.
-        `values`: deflection at the nodes [rad], ``(k,)``.
+        Condition: the integral of the deflection times the exponential e^(-p t) of a pole p is the
+        wind's demand [rad s], of `constraints`. `values`: deflection at the nodes [rad], ``(k,)``.
         """
         demands = self.constraints.demands
         violation = np.abs(self.moments @ values - demands)

@@ -133,7 +133,8 @@ class GaussianOutputs(Shown):
     def _exceedances(self, limit: float, output: str) -> FloatArray:
         """Return the probability of ``|output| > limit`` at each of the n times, ``(n,)``.
 
-        `limit`: in the SI unit of the output, which is Gaussian with mean and deviation of a time.
+        `limit`: in the SI unit of the output. The output is Gaussian: its mean is the response to
+        the known wind alpha_w, its deviation comes from turbulence, which is in the states x.
         """
         bound = number("limit", limit, positive)
         row, direct = self._row(output)  # output = row x + direct alpha_w

@@ -71,8 +71,8 @@ class LostFlightError(InputError):
         return f"the unchanged flight needs {needs}"
 
     def __str__(self) -> str:
-        """Return the message, which names the argument `limit`."""
-        limit, needs = self.args
+        """Return the message: the flight needs a larger limit, before gain or delay changes."""
+        limit, needs = self.args  # of the constructor: [rad], and words such as "1.5 deg"
         return (
             "limit must be one with which the unchanged flight survives: this needs"
             f" {needs}; got {np.degrees(limit):.4g} deg"

@@ -498,7 +498,8 @@ class Airframe:
         set_deflection, (on_lean, on_rate) = self._deflection_setters[other_plane], self._gains
         reference: Iterator[Row] = repeat((0.0, 0.0))
         if trajectory is not None and other_plane == "pitch":
-            reference = _plain_rows(trajectory[1:, [1, 4]])  # attitude rate and deflection
+            # attitude rate and deflection in each step, which a row states at the step's end
+            reference = _plain_rows(trajectory[1:, [1, 4]])
 
         def hold() -> None:
             """Set the deflection of the other plane for the next step: reference plus feedback.

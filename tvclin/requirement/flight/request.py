@@ -561,9 +561,10 @@ class SizingRequest:
         return replace(worst, listed=neighbouring_times(worst.time, sizing.times, refined.times))
 
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
-        """Return the controllability ratio of a sizing with the limit of a case.
+        """Return the limit of a case over trim and all that adds up, at the worst time of a sizing.
 
-        None without a limit or any known trim.
+        Gust, thrust offset and gravity offset add to trim, the largest B alpha_w. None without a
+        limit or any known trim.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("sizing", sizing, Sizing, "see sizing()")

@@ -259,9 +259,10 @@ class Sizing(Tabled):
             return np.fmax.reduce(values, axis=1)
 
     def arising(self, name: Requirement | str) -> FloatArray:
-        """Return the flight time [s] at which a requirement of m fixed winds arises, ``(m,)``.
+        """Return the flight time [s] at which a requirement of each of m winds arises, ``(m,)``.
 
-        NaN for winds that are placed at each flight time.
+        Of a dead band it arises at its exit, of trim and minimum at the largest trim. NaN for a
+        wind that is not fixed in flight time, but moved to each flight time.
 
         Raises
         ------

@@ -229,7 +229,7 @@ def answer(choices: Choices, max_steps: int | None = None) -> Answer:
     if requirement.value is not None:
         notes += _notes(choices, requirement.value)
         if choices.law == REPORT and choices.limit > requirement.value.nominal_deflection > 0.0:
-            notes.append(_HELD)
+            notes.append(_HELD)  # the report's control diverges with more than it requires
     neglected = omission_notes(choices.plan, "explore")  # effects such as bending
     return Answer(
         choices=choices,
