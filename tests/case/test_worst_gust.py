@@ -80,6 +80,20 @@ def test_a_short_gust_in_a_long_wind_is_placed_at_the_pressure_encountered_too()
     assert required >= other
 
 
+def test_a_wind_by_speed_with_a_gust_by_angle_is_placed_where_it_requires_most() -> None:
+    """The part without the gust is one wind for all of its times, whose steps differ."""
+    vehicle = tv.load_vehicle("configuration-i").replace(attitude=0.5)
+    gust = tv.OneMinusCosineGust(peak=0.07, duration=0.4)
+    wind = tv.winds.ShapedWind("triangular", 0.01, 4.0, gust=gust)
+    by_speed = wind.with_speed(20.0, vehicle, "pitch")
+    for mixed in (by_speed, wind.with_gust_speed(40.0, vehicle, "pitch")):
+        case = tv.Case(vehicle=vehicle, wind=mixed)
+        required = case_requirement(case, 0.9).required_deflection
+        for time in np.linspace(0.0, 4.0, 17):
+            fixed = replace(case, wind=replace(mixed, gust_at=time))
+            assert case_requirement(fixed, 0.9).required_deflection <= required * 1.001
+
+
 @pytest.mark.parametrize("sign", [None, "frozen"])
 @pytest.mark.parametrize("plane", ["pitch", "yaw"])
 def test_a_time_beyond_linear_aerodynamics_is_the_worst(configuration_i, plane, sign) -> None:

@@ -457,6 +457,7 @@ def _history_values(history: History | None, times: FloatArray) -> FloatArray:
     """
     if history is None:
         return np.zeros(times.shape)
-    flat = times.reshape(len(times), -1)
-    values = np.real(pieces.value(history.pieces, flat if history.batch else flat[0]))
+    # of one history the times of all winds in one row: they differ with the times of gusts
+    flat = times.reshape(len(times), -1) if history.batch else times.ravel()
+    values = np.real(pieces.value(history.pieces, flat))
     return np.asarray(values).reshape(-1, *times.shape[1:])
