@@ -185,11 +185,11 @@ class MeasuredWind:
 
         It is a history over flight time, with the gust; angles of the opposite sign become zero.
         """
-        return self._around(vehicle, opposite=0.0)
+        return self._around(vehicle, max_opposite=0.0)
 
     def of_both_signs(self, vehicle: Vehicle) -> History:
-        """Return the wind around the vehicle's time [s] with the angles of both signs."""
-        return self._around(vehicle, opposite=np.inf)
+        """Return the wind angle [rad] around the vehicle's time [s], with angles of both signs."""
+        return self._around(vehicle, max_opposite=np.inf)
 
     def samples(self, vehicle: Vehicle) -> tuple[Any, Any]:
         """Return times [s] and angles [rad] of the window around a vehicle's time."""
@@ -197,20 +197,20 @@ class MeasuredWind:
         half = np.inf if self.window is None else 0.5 * self.window
         return cut_samples(self.wind, time - half, time + half)
 
-    def _around(self, vehicle: Vehicle, opposite: float) -> History:
+    def _around(self, vehicle: Vehicle, max_opposite: float) -> History:
         """Return the wind angle [rad] around a vehicle's time, with the gust, in flight time.
 
-        `opposite`: size [rad] up to which angles of the sign opposite to the largest are kept: zero
-        for a wind of one sign, infinite for all of it. The middle of the gust is at the time, and
-        its sign is that of the largest angle; a calm has none. `NotKnownError` where wind and gust
-        together are beyond linear aerodynamics.
+        `max_opposite`: size [rad] up to which angles of the sign opposite to the largest are kept:
+        zero for a wind of one sign, infinite for all of it. The middle of the gust is at the time,
+        and its sign is that of the largest angle; a calm has none. `NotKnownError` where wind and
+        gust together are beyond linear aerodynamics.
         """
         time = _time_of(vehicle)
         times, angles = self.samples(vehicle)
         if times.size < 2 or not np.any(angles):
             return self.wind * 0.0
         sign = float(np.sign(angles[np.argmax(np.abs(angles))]))
-        around = SampledWind(time=times, angle=sign * np.maximum(sign * angles, -opposite))
+        around = SampledWind(time=times, angle=sign * np.maximum(sign * angles, -max_opposite))
         if self.gust is None:
             return around
         gust = gust_at(self.gust, vehicle)

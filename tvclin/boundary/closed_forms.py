@@ -72,7 +72,10 @@ def solve_with_drift(
     L = _minus_log_R(p)
 
     def residual(z: FloatArray) -> FloatArray:
-        """Return the left side of the equation of `solve_with_drift` at `z` = p y, in its shape."""
+        """Return K1 (1 - e^(x - L)) - (1 - K) z - kappa (x + x^2 psi(rho x)), with x = K z.
+
+        It is the left side of eq (18), zero at the solution z.
+        """
         x = K * z
         return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
 

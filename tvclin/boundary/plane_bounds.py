@@ -270,11 +270,17 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     gauge = _difference_gauge(limit_shape)
 
     def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the bound [rad] for the wind of `pair` from `s` to `T` [s], by gauge of S - S."""
+        """Return the y [rad] with which y (S - S) contains the wind's demand from `s` to `T` [s].
+
+        S is the limit shape, and S - S the set of its differences.
+        """
         return gauge(pair.demand_between(s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the bound [rad] for the wind of `pair` from onset to `T` [s], by gauge of S."""
+        """Return the y [rad] with which y S contains the demand of the wind from onset to `T` [s].
+
+        S is the limit shape.
+        """
         return limit_shape.gauge(pair.demand_between(np.full((1, 1), onset), T))
 
     grid = two_sided(times[:, np.newaxis], times)

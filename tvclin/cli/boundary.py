@@ -225,7 +225,10 @@ def print_in_wind(
 
 
 def _verdict(known_wind: KnownWind, case: StudyPlan) -> str:
-    """Return the verdict on the minimum peak, of a sounding on the part within its window."""
+    """Return the verdict on the minimum peak, of a sounding on the part within its window.
+
+    Where the window cuts a wind that is not calm, the wind begins or ends with a step.
+    """
     if not isinstance(case.wind, SoundingWind):
         return known_wind.verdict("this wind")
     if np.any(case.wind.steps(case.vehicle, case.plane)):

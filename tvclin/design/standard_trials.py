@@ -384,9 +384,9 @@ def limit_tables(
             yield ((wind,), *cells, any_law)
 
     def minimum_rows() -> Iterator[tuple[Line, ...]]:
-        """Yield a row of each wind: trim [deg], and the minimum of any control [deg], over trim.
+        """Yield a row of each wind: trim [deg], the minimum of any control [deg], and over trim.
 
-        Each number has a key for JSON, by the index of the wind: as in `rows`, and "ideal" of trim.
+        Each number has a key for JSON: laws.0.ideal_deg is the trim of the first wind.
         """
         for j, (wind, (trim, _, minimum)) in enumerate(wind_bounds.items()):
             ideal = number_cell(f"laws.{j}.ideal_deg", trim)

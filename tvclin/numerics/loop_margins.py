@@ -123,13 +123,13 @@ def stability(loop: AnyLoop) -> Stability:
 def _initial_phase_to_axis(
     poles: AnyArray, tolerance: FloatArray, omega: FloatArray, to_right: BoolArray
 ) -> FloatArray:
-    """Return the phase lag [rad], 0 or 2 pi, until poles at the axis cross it for the first time.
+    """Return the lag of a delay [rad] at which poles at the axis first cross it, 0 or 2 pi.
 
-    A pole that starts in the half plane to which the delay moves it has a full turn to go; a pole
-    of the other half plane crosses at once. A pole on the axis counts as left. `poles`: closed-loop
-    poles without the delay, ``(..., n)`` [1/s]. `tolerance`: distance from the axis that counts as
-    zero, ``(..., 1)`` [1/s]. `omega`: gain crossovers [rad/s], with the shape ``(..., k)`` of the
-    result. `to_right`: whether poles cross to the right there, ``(..., k)``.
+    A pole that starts in the half plane to which the delay moves it crosses after a full turn of
+    the lag, a pole of the other half plane at once. A pole on the axis counts as left. `poles`:
+    closed-loop poles without the delay, ``(..., n)`` [1/s]. `tolerance`: distance from the axis
+    that is zero, ``(..., 1)``. `omega`, `to_right`: gain crossovers [rad/s], ``(..., k)``, as the
+    result, and whether poles cross to the right there.
     """
     distance = np.abs(poles[..., np.newaxis, :] - 1j * omega[..., np.newaxis])
     # the closed-loop pole nearest to j omega, of each crossover

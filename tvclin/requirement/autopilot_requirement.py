@@ -53,12 +53,18 @@ class AutopilotRequirement:
 
     @property
     def nominal_deflection(self) -> float:
-        """The autopilot requirement [rad] at nominal dynamic pressure, a size."""
+        """The autopilot requirement [rad] at nominal dynamic pressure, a size.
+
+        As the limit of both planes, which is the limit in this plane times `plane_ratio`.
+        """
         return abs(float(self.nominal.deflection)) * self.plane_ratio
 
     @property
     def deflection(self) -> float:
-        """The autopilot requirement [rad], a size; infinite if it survives at no limit tried."""
+        """The autopilot requirement [rad], a size; infinite if it survives at no limit tried.
+
+        As the limit of both planes, which is the limit in this plane times `plane_ratio`.
+        """
         if self.head is None:
             return self.nominal_deflection
         return abs(float(self.head.deflection)) * self.plane_ratio

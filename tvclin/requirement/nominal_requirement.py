@@ -188,9 +188,10 @@ def required_deflection(
 def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> BoolArray:
     """Return whether `required_deflection` may be zero or infinite, ``(...)``, without flights.
 
-    `plant` and `wind` are a batch or one each. `dead_band`: K, from 0 to 1. The limited trim law
-    requires an infinite limit on a quick path alone: else its flights end with the wind, and a
-    limit above all trim, and above what holds the vehicle at the end, is sufficient.
+    `plant` and `wind` are a batch or one each. `dead_band`: K, from 0 to 1. Flights of the limited
+    trim law can diverge with any limit only where the flight path turns about as fast as the
+    attitude (`has_quick_path`); else the largest trim, or what holds the vehicle as the wind ends,
+    is sufficient.
     """
     boundary = boundary_limit(plant, wind, dead_band, "literal")
     # K = 0 omits the minimum peak after trim, of 0 < K < 1, which takes a search and is finite

@@ -444,10 +444,8 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     """Return the minimum peaks [rad] of complex pairs ``(n,)``, by the dual.
 
     `poles`: s = sigma + j omega [1/s], ``(n,)``. `demands`: d, integrals of e^(-s t) delta dt that
-    cancel the modes [rad s], complex ``(n,)``. For multipliers lambda of the direction phi the sum
-    lambda . e is e^(-sigma u) cos(omega u + phi), and
-
-        peak = max over phi of |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du
+    cancel the modes [rad s], complex ``(n,)``. Each phase phi gives a lower bound of the peak,
+        |Re(d e^(-j phi))| / integral e^(-sigma u) |cos(omega u + phi)| du, and the largest is it.
     """
     k = np.real(poles) / np.imag(poles)  # decay sigma/omega, with x = omega u
 
@@ -467,7 +465,7 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
         norm = np.exp(-ratio * zero) * (1.0 + series) - np.cos(zero) + ratio * np.sin(zero)
         return -toward / norm
 
-    # Pairs that are nearly real turn within about 1/k of phi = pi/2.
+    # Of pairs that are nearly real the bound turns within about 1/k of phi = pi/2, the zero x = 0.
     fine = np.geomspace(1e-8, np.pi, _DIRECTIONS)
     grid = np.sort(np.concatenate([np.linspace(0.0, np.pi, _DIRECTIONS), fine]))
     pairs = np.arange(k.size)

@@ -398,7 +398,10 @@ def _refined(
     sign = np.sign(multipliers @ function(times[intervals + 1]))
 
     def rising(u: FloatArray, k: IndexArray) -> FloatArray:
-        """Return lambda . function at `u` [s], with the sign that makes it rise in interval `k`."""
+        """Return the sum of `multipliers` times `function` at `u` [s], rising in each interval.
+
+        It is times `sign`, the sign of the sum at the end of the interval, whose index is `k`.
+        """
         return np.asarray(sign[k] * (multipliers @ function(u)))
 
     return roots_between(times[intervals], times[intervals + 1], rising)

@@ -140,10 +140,11 @@ def longest_single_pole_duration(
     def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
         """Return sqrt(y) - 1 by eq (C8) for durations `tau` [s] of the vehicles with indices `k`.
 
-        y is the peak that the slow pole requires over that of the fast one.
+        y is the peak that the slow pole b1 [1/s] requires over that of the fast pole b2, and K the
+        ratio of the factors by which the drift multiplies these peaks.
         """
         quotient = np.expm1(-tau * b1[k] / 2.0) / np.expm1(-tau * b2[k] / 2.0)
-        return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)  # K: K1_1/K1_2
+        return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)
 
     duration = roots_between(latest * 1e-12, latest * (1.0 + 1e-9), excess).reshape(shape)
     return plain(np.where(np.broadcast_to(reached, shape), duration, np.nan))

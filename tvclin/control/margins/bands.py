@@ -402,7 +402,7 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
 
     def smallest_positive(phases: FloatArray) -> FloatArray:
-        """Return the smallest positive phase [rad] of each loop, ``(loops,)``."""
+        """Return the smallest positive of the phases [rad], ``(loops, crossovers)``, by loop."""
         minimum, _ = row_minimum(np.where(phases > 0.0, phases, np.nan), analysis.gain_frequencies)
         return minimum
 
@@ -437,7 +437,10 @@ def _owned(terms: Terms, analysis: LoopAnalysis, k: int) -> LoopAnalysis:
     """
 
     def select(omega: FloatArray, values: FloatArray) -> FloatArray:
-        """Return `values` at frequencies `omega` [rad/s] that mode k owns, NaN at others."""
+        """Return `values` at frequencies `omega` [rad/s] where mode k is the largest term of L.
+
+        They are NaN at other frequencies. `terms`: partial fractions of L, one for each mode.
+        """
         return np.where(terms.owner(np.nan_to_num(omega)) == k, values, np.nan)
 
     phases = select(analysis.gain_frequencies, analysis.phases)

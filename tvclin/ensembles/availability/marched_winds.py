@@ -176,29 +176,29 @@ class PlaneMarch:
     def _limit_at_levels(
         self, winds: LineWinds, march: Curves, stepped: SteppedWinds
     ) -> FloatArray:
-        """Return the largest min(trim, demand) [rad] of n winds at their levels, ``(n,)``.
+        """Return the limit [rad] that n winds require at their levels, ``(n,)``.
 
-        Levels are the times of `winds`, most of which lie within a step. The demand is the limit
-        sufficient when held from then on; trim is -B q/q_n alpha_w, static trim at the dynamic
-        pressure q over the nominal q_n, and what balances drift, linear between the ends of steps.
-        Where two unstable modes are a pair, trim alone counts. `march`: trim and demand over the
-        steps. `stepped`: wind angles and q/q_n over the steps.
+        It is the largest min(trim, demand) at the times of `winds`, most of which lie within a
+        step; the demand is the limit sufficient when held from then on. Trim is -B q/q_n alpha_w,
+        and what balances drift, linear between the ends of steps. Where two unstable modes are a
+        pair, trim alone counts. `march`, `stepped`: of the steps, trim and demand, wind and q/q_n.
         """
         steps, equations = self._steps  # begin, middle and end of S steps, (1, S, 3)
         # row of the angular acceleration in [A b w], whose last columns are deflection and wind
         acceleration = equations.nominal[..., 1, :]
         static = -acceleration[..., -1] / acceleration[..., -2]  # trim over wind angle: -B
         drift_trim = march.trim - static * stepped.ratio * stepped.wind
-        of_drift, static, paired = (  # at the first begin and the ends of all steps
+        # at the first begin and the ends of all steps; `paired`: whether unstable modes are a pair
+        drift_trim, static, paired = (
             np.concatenate([x[:, :1, 0], x[..., 2]], axis=1)
             for x in (drift_trim, static, equations.paired)
         )
         ends, times = np.append(steps[0, 0, 0], steps[0, :, 2]), winds.times
         along, across = (winds.speeds[plane] for plane in PLANES)
         angle, ratio = self.path.angle_and_pressure(times, along, across, self.plane)
-        trim = on_lines(np.broadcast_to(ends, of_drift.shape), of_drift, times)
+        trim = on_lines(np.broadcast_to(ends, drift_trim.shape), drift_trim, times)
         trim += np.interp(times, ends, static[0]) * ratio * angle
-        case = np.broadcast_to(np.arange(len(times))[:, np.newaxis], times.shape)
+        case = np.broadcast_to(np.arange(len(times))[:, np.newaxis], times.shape)  # of the wind
         position = (times - ends[0]) / (ends[1] - ends[0])  # in steps, which are even
         demand = march.demand_at(case, position)
         is_paired = np.interp(times, ends, paired[0]) > 0.0

@@ -338,7 +338,7 @@ def _rate_end(loop: Loop, regime: Regime, sign: float) -> End:
         return End(lambda t, x: sign * x[order + 1] - max_rate, max_rate, then)
 
     def pull(t: Any, states: FloatArray) -> Any:
-        """Return the pull s' or s'' on the deflection at a time `t` [s], times `sign`."""
+        """Return s' [rad/s] (first order) or s'' [rad/s^2] at a time `t` [s], times `sign`."""
         measured = loop.measured(t, states, regime)
         return sign * loop.pull(states, loop.command(states, measured, regime))
 
@@ -603,10 +603,7 @@ def _event(end: End) -> Any:
 
 
 def _flight_end(max_attitude: float) -> Any:
-    """Return the event function of the end of a flight: a state or the attitude is too large.
-
-    `max_attitude`: largest attitude [rad].
-    """
+    """Return the event function of a flight's end: states or attitude [rad] are too large."""
     beyond = 1.0 + _END_MARGIN  # the flight goes a little beyond its limits
 
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:

@@ -484,7 +484,10 @@ class Stages:
         judged, width = np.flatnonzero(is_judged), self.steps.joint.shape[2]
 
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
-            """Return the criteria at times [s], by name; `index`: of their samples in `judged`."""
+            """Return the criteria of loss and survival at times [s], by name.
+
+            "judges": rows on the `width` states of the loop. `index`: of the samples in `judged`.
+            """
             criteria = outcome_criteria(self.plants_at(times, self.flight[judged[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))
             return {"judges": judges, "reach": criteria.reach, "ratio": criteria.ratio}
