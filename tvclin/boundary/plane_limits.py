@@ -357,25 +357,24 @@ def _dead_band_exit(
         return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
 
     heights = limit_shape.gauge(pair.trim(times) if literal else pair.moment_driver(times))
-    records = np.flatnonzero(heights >= np.maximum.accumulate(heights))  # new maxima
-    margins = margin(times[records])
-    short = np.flatnonzero(margins < -_RELATIVE_ROUNDING * heights.max())  # within the dead band
-    if short.size == 0:
+    maxima = np.flatnonzero(heights >= np.maximum.accumulate(heights))  # times of new maxima
+    margins = margin(times[maxima])
+    inside = np.flatnonzero(margins < -_RELATIVE_ROUNDING * heights.max())  # within the dead band
+    if inside.size == 0:
         return complex(pair.required_constant(times[:1])[0]), float(times[0]), OK
-    if short[-1] == records.size - 1:
+    if inside[-1] == maxima.size - 1:
         trims = pair.trim(times)
         return complex(trims[np.argmax(limit_shape.gauge(trims))]), np.nan, NO_EXIT
-    first, last = records[short[-1]], records[short[-1] + 1]
-    # between both records the driver may fall: the largest height so far stays the exit's level
+    first, last = maxima[inside[-1]], maxima[inside[-1] + 1]
+    # between both maxima the driver may fall: the largest height so far stays the exit's level
     floor, span = float(heights[first]), times[first : last + 1]
     for _ in range(_GRID_REFINEMENTS):  # the last rise through zero, in steps between each two
         low = np.flatnonzero(margin(span, floor)[:-1] < 0.0).max(initial=0)
         span = np.linspace(span[low], span[low + 1], _GRID_POINTS)
     exit_time = span[-1:]
-    # where the wind jumps, the driver has fallen below its height before
-    jumped = margin(exit_time)[0] < -_RELATIVE_JUMP * floor
-    deflection = complex(pair.required_constant(exit_time)[0])
-    return deflection, float(exit_time[0]), JUMP if jumped else OK
+    (deflection,), (height,) = pair.required_constant(exit_time), margin(exit_time)
+    jumped = height < -_RELATIVE_JUMP * floor  # the driver falls back just after the exit
+    return complex(deflection), float(exit_time[0]), JUMP if jumped else OK
 
 
 @dataclass(frozen=True, eq=False)
