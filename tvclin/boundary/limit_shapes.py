@@ -109,7 +109,7 @@ class LimitShape(ABC):
 
     @property
     def inside(self) -> LimitShape:
-        """The shape, or where its gauge takes a search, a polygon inside it of almost its size."""
+        """The shape; where its `gauge` takes a search, a polygon inside it of almost its size."""
         return self
 
     def reach(self, angle: ArrayLike) -> FloatArray:
@@ -156,7 +156,7 @@ class CircularShape(LimitShape):
         return np.asarray(np.abs(vectors("direction", direction)))
 
     def gauge(self, vector: ArrayLike) -> FloatArray:
-        """Return the size of each `vector`, a complex number: the gauge of a unit circle."""
+        """Return the size of each complex `vector`, the limit of a circle that just reaches it."""
         return np.asarray(np.abs(vectors("vector", vector)))
 
     def farthest(self, direction: ArrayLike) -> Vectors:

@@ -179,8 +179,8 @@ class PlanePair:
     def moment_driver(self, t: FloatArray) -> Vectors:
         """Return the driver -B alpha_w [rad] of the report's exit on wind at `t` [s], complex.
 
-        The exit of the dead band is where its gauge reaches K times the limit; B is the trim
-        deflection per angle of attack of each plane.
+        The exit of the dead band is where its gauge, the limit that just reaches it, is K times the
+        limit; B is the trim deflection per angle of attack of each plane.
         """
         pitch, yaw = (plant.coefficients.B for plant in self.plants)
         w = self.wind(t)
@@ -504,8 +504,9 @@ class _Moments:
     def norm(self, multipliers: FloatArray) -> float:
         """Return N(l), the integral of h_S(sum l a p e^(-p t)) over time, by quadrature.
 
-        h_S is the support function of the limit shape S. `multipliers`: l, ``(k,)``, for the k
-        poles p, each with its axis a, 1 in pitch and j in yaw.
+        h_S(v) is the support function of the limit shape S: the largest scalar product of v and a
+        point of S. `multipliers`: l, ``(k,)``, for the k poles p, each with its axis a, 1 in pitch
+        and j in yaw.
         """
         values, weights = self.nodes  # a p e^(-p t) at the nodes of time, and their weights [s]
         return float(weights @ self.limit_shape.support(multipliers @ values))

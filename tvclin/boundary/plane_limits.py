@@ -290,8 +290,9 @@ def _unidirectional_requirement(
 ) -> PlaneRequirement:
     """Return the requirement of a wind of one direction: of one plane, times the gauge of that.
 
-    `pair`: plants and wind. `plant`, `wind`: of the plane along the wind. `limit_shape`: of the
-    nozzle. `K`: dead band. `literal`: whether its exit is on trim, not on the wind.
+    The gauge is the limit whose shape just contains a unit deflection in that direction. `pair`:
+    plants and wind. `plant`, `wind`: of the plane along the wind. `limit_shape`: of the nozzle.
+    `K`: dead band. `literal`: whether its exit is on trim, not on the wind.
     """
     boundary = boundary_limit(plant, wind, K, "literal" if literal else "report")
     # of K = 1, to have the bound without a forecast; the minimum does not depend on K

@@ -427,7 +427,10 @@ class _TrimThenHold(TrimLaw):
 
     @property
     def engage(self) -> float:  # type: ignore[override]
-        """Dead band K over the limit, at least the demand that marks the onset of a wind."""
+        """Demanded deflection over the limit from which on the limit is held: the dead band K.
+
+        At least the demand that marks the onset of a wind.
+        """
         return max(self.dead_band, ONSET_OVER_LIMIT)
 
 

@@ -187,7 +187,7 @@ class Curves:
         case = case[row]
 
         def rises(position: FloatArray, k: IndexArray) -> FloatArray:
-            """Return trim minus demand [rad], times -1 where it falls, at positions in steps."""
+            """Return trim minus demand [rad], times -1 if it falls, at positions in steps."""
             gap = self.trim_at(case[k], position) - self.demand_at(case[k], position)
             return np.asarray(rising[k] * gap)
 
@@ -305,8 +305,8 @@ class Curves:
 def smaller(trim: FloatArray, demand: FloatArray, sign: float | None) -> FloatArray:
     """Return min(|trim|, |demand|) [rad] where both have the same sign; zero elsewhere.
 
-    `trim`, `demand`: deflections [rad] of one shape. `sign`: sign that both must have; None for
-    either. NaN of the demand stays.
+    `trim`, `demand`: deflection of ideal trim, and limit sufficient when held from then on, of one
+    shape [rad]. `sign`: sign that both must have; None for either. NaN of the demand stays.
     """
     opposite = (
         trim * demand <= 0.0 if sign is None else np.minimum(sign * trim, sign * demand) <= 0.0

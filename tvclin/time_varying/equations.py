@@ -333,9 +333,9 @@ class Equations:
     def end_pole(self) -> FloatArray:
         """Growth rate p.A p [1/s] at the end of each vehicle's steps, ``(n,)``.
 
-        The costate p is of length one, so that this is the pole of p where the vehicle is constant.
-        `end` has p and the control reach of the fastest mode; `nominal` the equations E = [A b w]
-        at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
+        The costate p, of the fastest mode, is of length one: where the vehicle is constant this is
+        the mode's pole. `end` has p, and behind it the control reach; `nominal` the equations E =
+        [A b w] at begin, middle and end of each step, ``(n, S, 3, m, m + 2)``.
         """
         order = self.nominal.shape[-2]
         costate, A = self.end[:, :order], self.nominal[:, -1, 2, :, :order]  # of the last step

@@ -192,9 +192,8 @@ def encountered_at_steps(
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
     q/q_n is the dynamic pressure over the nominal one. `motion`: its breakpoints and fastest rate
-    set the steps. `encountered`: winds, or a sequence of winds with the same number of steps.
-    `parts`: number of substeps of each step. A wind that jumps where a step ends has there its
-    value before the jump.
+    set the steps. `encountered`: winds, or a sequence of winds with equally many steps. `parts`:
+    substeps of each step. A wind that jumps at the end of a step has its value before the jump.
     """
     if isinstance(encountered, Sequence):
         winds = [encountered_at_steps(motion, wind, parts) for wind in encountered]
@@ -509,9 +508,9 @@ class SteppedWinds:
     def _columns(self) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
         """Return the arguments that the kernels of the limited and the unlimited trim both take.
 
-        They are steps with equations and winds, costate and control reach at the end of the steps
-        ``(n, m + 1)``, and the position of each onset, counted in steps, ``(n,)``; all as
-        contiguous arrays.
+        They are steps with equations and winds; costate of the fastest unstable mode and control
+        reach, the effect on it of a unit deflection after the steps, ``(n, m + 1)``; positions of
+        onsets, in steps, ``(n,)``. All are contiguous.
         """
         cases, steps, _ = self.wind.shape
         end = np.broadcast_to(self.equations.end, (cases, self.equations.end.shape[-1]))

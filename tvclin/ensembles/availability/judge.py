@@ -148,7 +148,8 @@ class Judge:
     ) -> Requirements:
         """Return bounds of the required deflections [rad] of n soundings, from trim and demand.
 
-        `lower` and `upper` are these bounds, `lowest` the lowest limit that may survive.
+        The demand is the limit sufficient when held from then on. `lower` and `upper` are these
+        bounds, `lowest` the lowest limit that may survive.
         `progress`: called with the number of finished soundings and of all soundings.
         """
         lower, upper, lowest = np.full((3, self.azimuths.size, len(soundings)), np.nan)

@@ -210,7 +210,8 @@ class PlaneMarch:
 
         These are two records of n winds; without a gust the winds themselves. `sign`: sign of wind
         and gust; a wind that never has this sign is without a gust. `additions`: has the gust. At
-        the time of the requirement min(trim, demand) is largest.
+        the time of the requirement min(trim, demand) is largest, the demand being the limit
+        sufficient when held from then on.
         """
         gust, times = additions.gust, winds.times
         if gust is None:

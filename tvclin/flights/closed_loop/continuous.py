@@ -312,9 +312,9 @@ def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the demand of the `loop` at `t` [s] is beyond the threshold.
+        """Return by how much [rad] the law's demand, in the direction `sign`, is past its threshold.
 
-        The demand counts in the direction `sign`; `regime.mode` is other than 0 if it is engaged.
+        In a `regime.mode` other than 0 the law commands the full limit, down to `release` times it.
         """
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
         if regime.mode:  # the end is below `release`, by a margin against chatter

@@ -349,8 +349,9 @@ class FlightMode:
     def _step_matrices(self, begin: FloatArray, end: FloatArray) -> FloatArray:
         """Return matrices M with (p, R) at the begin of a step = (p, R) at its end times M.
 
-        p is the costate, R the control reach. M ``(k, m + 1, m + 1)`` is exact to fourth order, by
-        the classical rule of Runge and Kutta, backwards. `begin`, `end`: times [s], ``(k,)``.
+        p is the costate of the unstable component p.x, R the control reach, the effect on it of a
+        unit deflection from then on. M ``(k, m + 1, m + 1)`` is exact to fourth order, by the
+        classical rule of Runge and Kutta, backwards. `begin`, `end`: times [s], ``(k,)``.
         """
         h = (end - begin)[..., np.newaxis, np.newaxis]
         times = np.stack([begin, 0.5 * (begin + end), end])
@@ -381,8 +382,9 @@ def _costates_before(costates: FloatArray, matrices: FloatArray) -> FloatArray:
 def _reverses(reach: FloatArray, absolute_reach: FloatArray) -> BoolArray:
     """Return whether the effect of a deflection changes its sign after each of n times, ``(n,)``.
 
-    It is p.b, of costate p and deflection column b; its integral from then on is `reach`, and that
-    of its size `absolute_reach`, ``(n,)`` each.
+    It is p.b, the effect on the unstable component p.x of the states x, p being its costate and b
+    the deflection's column. Its integral from then on is `reach`, and that of its size
+    `absolute_reach`, ``(n,)`` each.
     """
     return np.abs(reach) < (1.0 - _REACH_ROUNDING) * absolute_reach
 
