@@ -312,10 +312,7 @@ def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the law's demand, in the direction `sign`, is past its threshold.
-
-        In a `regime.mode` other than 0 the law commands the full limit, down to `release` times it.
-        """
+        """Return by how much [rad] the law's demand, with the `sign`, is past the threshold."""
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
         if regime.mode:  # the end is below `release`, by a margin against chatter
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
