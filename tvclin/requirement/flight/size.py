@@ -563,10 +563,7 @@ def _varying_requirements(
         return FlightRequirement(**sizes, slower_modes=False, trim_time=np.nan, times=times)
 
     return [
-        [
-            count_need(requirement_of(*wind_and_key))
-            for wind_and_key in zip(row, row_keys, strict=True)
-        ]
+        [count_need(requirement_of(*pair)) for pair in zip(row, row_keys, strict=True)]
         for row, row_keys in zip(placed, keys, strict=True)
     ]
 
