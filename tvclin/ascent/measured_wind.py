@@ -271,8 +271,8 @@ class MeasuredPlanes:
         wind = self.parts.get(plane)
         if wind is None or self.gust is None:
             return wind
-        size = abs(self._direction(vehicle)[plane])
-        return replace(wind, gust=gust_at(self.gust, vehicle) * size) if size else wind
+        share = abs(self._direction(vehicle)[plane])  # component of the gust's unit vector
+        return replace(wind, gust=gust_at(self.gust, vehicle) * share) if share else wind
 
     def _direction(self, vehicle: Vehicle) -> dict[str, float]:
         """Return the unit vector, by plane, of the largest wind around a vehicle's time.

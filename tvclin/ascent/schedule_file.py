@@ -159,6 +159,7 @@ def _from_rows(
     sensors of the structure.
     """
     source = called(source)
+    # names of tables, each once; removed from the rows
     structures = {str(row.pop("structure")): None for _, row in rows if "structure" in row}
     if len(structures) > 1:
         raise InputError(f"{source}: structure must be one table; got {', '.join(structures)}")
@@ -290,8 +291,8 @@ def _csv_rows(text: str, source: str) -> list[Row]:
                 f"{shown(others[0])} is no key, such as weight_N; tvclin import table reads a table"
                 " of other names"
             )
-        of_flight = {*FLIGHT_COLUMNS.keys, *_WORDS}
-        vehicle_file.check_columns([key for key in keys if key not in of_flight], _SCHEDULE)
+        others = {*FLIGHT_COLUMNS.keys, *_WORDS}  # columns that are no numbers of the vehicle
+        vehicle_file.check_columns([key for key in keys if key not in others], _SCHEDULE)
         if "time_s" not in keys:
             raise InputError("a key is missing: time_s")
     labels = [f"line {n}" for n in sheet.line]

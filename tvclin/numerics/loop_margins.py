@@ -352,6 +352,7 @@ def _phase_crossovers(
     sizes = np.concatenate([np.abs(N / D)[:, 0], -loop.direct[at_infinity]])
     case = np.concatenate([case, at_infinity])
     crossover = np.concatenate([crossover, np.full(at_infinity.size, np.inf)])
+    # a row for each loop, in the order of the frequencies
     return _rows(case, crossover, crossover, len(omega)), _rows(case, crossover, sizes, len(omega))
 
 

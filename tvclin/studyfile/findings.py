@@ -309,7 +309,7 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
     for the request: `find` looks only whether there is a value.
     """
     loop = plan.design or plan.criteria  # not None where the autopilot is judged
-    along = plan.sizing and (plan.sizing.scheduled_design or plan.design)
+    loop_over_flight = plan.sizing and (plan.sizing.scheduled_design or plan.design)
     requests = {  # None where one of several inputs, joined by "and", is None
         "trials": plan.laws,
         "comparison": loop,
@@ -327,8 +327,8 @@ def _requests(plan: StudyPlan) -> dict[str, Any]:
         "head": plan.nozzle.limit
         if loop or plan.nozzle.rate_limit or plan.load is not None or plan.turbulence is not None
         else None,
-        "sweep": along,
-        "flights": along and plan.nozzle.limit,
+        "sweep": loop_over_flight,
+        "flights": loop_over_flight and plan.nozzle.limit,
     }
     return {name: request for name, request in requests.items() if request is not None}
 

@@ -355,7 +355,8 @@ def driven_loop(
     else:
         loop = _continuous(autopilot, plant, shape, noise)
     # Further outputs, each with its row and its direct term: the drift rate V gamma, loads, and
-    # rate and acceleration of the deflection, where they have a variance.
+    # rate and acceleration of the deflection, where they have a variance and are the rates of
+    # outputs whose rows do not vary along a flight.
     more: dict[str, tuple[FloatArray, FloatArray]] = {}
     if PATH in loop.labels and DRIFT_RATE not in loop.labels:
         row, direct = loop.row(PATH)

@@ -239,7 +239,8 @@ def _nozzle(reactions: Element, vehicle: Vehicle) -> None:
         both: Tree = ("sum", f"tvclin/aerodynamic-{axis}-lbs", name)
         _function(reactions, force, name=name)
         _function(reactions, both, name=f"tvclin/without-weight-{axis}-lbs")
-        _force(reactions, f"nozzle-{axis}", "BODY", name, _ALONG[axis], float(vehicle.control_arm))
+        arm = float(vehicle.control_arm)
+        _force(reactions, f"nozzle-{axis}", "BODY", name, _ALONG[axis], aft=arm)
 
 
 def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
@@ -253,7 +254,7 @@ def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
     sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)
     north, east = cos(heading), sin(heading)
     upright = (-sine * north, -sine * east, -cosine)
-    _force(reactions, "straight", "LOCAL", weight * cosine, upright, 0.0)
+    _force(reactions, "straight", "LOCAL", weight * cosine, upright, aft=0.0)
     # With that force the weight acts as W sin(Theta_n) against the nominal direction of flight.
     forward: Tree = (
         "sum",
@@ -269,7 +270,7 @@ def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
     _function(reactions, ("quotient", power, square), name="tvclin/push-per-speed")
     for axis, speed in speeds.items():
         force: Tree = ("product", -1.0, "tvclin/push-per-speed", speed)
-        _force(reactions, f"speed-{axis}", "BODY", force, _ALONG[axis], 0.0)
+        _force(reactions, f"speed-{axis}", "BODY", force, _ALONG[axis], aft=0.0)
 
 
 def _force(
