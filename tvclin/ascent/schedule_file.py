@@ -291,8 +291,8 @@ def _csv_rows(text: str, source: str) -> list[Row]:
                 f"{shown(others[0])} is no key, such as weight_N; tvclin import table reads a table"
                 " of other names"
             )
-        others = {*FLIGHT_COLUMNS.keys, *_WORDS}  # columns that are no numbers of the vehicle
-        vehicle_file.check_columns([key for key in keys if key not in others], _SCHEDULE)
+        not_vehicle = {*FLIGHT_COLUMNS.keys, *_WORDS}  # columns but for numbers of the vehicle
+        vehicle_file.check_columns([key for key in keys if key not in not_vehicle], _SCHEDULE)
         if "time_s" not in keys:
             raise InputError("a key is missing: time_s")
     labels = [f"line {n}" for n in sheet.line]

@@ -76,8 +76,8 @@ def smooth_values(
     values = {name: storage.empty(name, (times.size, *a.shape[1:])) for name, a in first.items()}
     flat = [array.reshape(times.size, -1) for array in values.values()]
     columns = np.cumsum([0, *(array.shape[1] for array in flat)])
-    for array, made in zip(values.values(), first.values(), strict=True):
-        array[exact] = made[: exact.size]
+    for array, computed in zip(values.values(), first.values(), strict=True):
+        array[exact] = computed[: exact.size]
     rows = _packed({name: array[exact.size :] for name, array in first.items()})
     at_nodes = list(np.split(rows, max(len(pending), 1)))
     remaining: list[slice] = []

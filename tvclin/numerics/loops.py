@@ -254,11 +254,13 @@ class StateLoop:
             np.where(modal[:, np.newaxis, np.newaxis], vectors, np.eye(B.shape[1]))
         )
         residues = (C[:, np.newaxis] @ vectors)[:, 0] * (left @ B[..., np.newaxis])[..., 0]
-        for k in map(int, np.flatnonzero(~modal)):  # those of poles that stand alone
+        # without a basis by both eigenvectors of each pole, valid for poles that are not repeated
+        for k in map(int, np.flatnonzero(~modal)):
             poles[k], left, right = eig(A[k], left=True, right=True)
             with np.errstate(all="ignore"):
                 residues[k] = (C[k] @ right) * (B[k] @ left.conj()) / np.sum(left.conj() * right, 0)
         poles[np.abs(poles) <= _INTEGRATOR_POLE * size] = 0.0
+        # several small poles without a basis are those of a repeated integrator
         cluster = (np.abs(poles) <= _INTEGRATOR_CLUSTER * size) & ~modal[:, np.newaxis]
         poles[cluster & (cluster.sum(axis=-1, keepdims=True) > 1)] = 0.0
         spectrum = {"poles": poles, "residues": residues, "modal": modal}

@@ -381,6 +381,7 @@ class SoundingWinds:
                 low, high = height[i, run.start], height[i, run.stop - 1]
                 ends[i, 0] = low if run.start else path.height[0]
                 ends[i, 1] = high if run.stop < height.shape[1] else path.height[-1]
+        # whether the height of the largest dynamic pressure, `max_q`, is in the interval
         inside = (ends[:, :1] <= path.max_q) & (path.max_q <= ends[:, 1:])
         return np.where(inside, ends, np.nan)
 
