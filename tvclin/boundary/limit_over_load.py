@@ -278,9 +278,9 @@ class LoadLimits:
 
     @cached_property
     def minimum_load(self) -> float:
-        """Minimum load |alpha + M delta| [rad] of a computed control, whatever its deflection.
+        """Minimum load |alpha + M delta| [rad] that a control computed by linear programs has.
 
-        Where no linear programs are required it is `load_floor`, due to a jump of the wind.
+        Its deflection is not bounded. Where none are required it is the lower bound `load_floor`.
         """
         if not self._requires_programs:
             return self.load_floor

@@ -272,6 +272,7 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
             partial(_cost, problem, partial(required_limits, problem, scan_count=n))
             for n in (_SEARCH_SCAN, _FINAL_SCAN)
         )
+        # `stops`: number of sudden ends of each wind that are flown as well
         search = _STOPPED_SEARCH if problem.stops else _FLOWN_SEARCH
         options |= search | {"start": points, "tolerance": _LIMIT_TOLERANCE}
         points, _ = box_minimum(flown, axes, **options)

@@ -94,7 +94,10 @@ class ModalSystem:
     less_wind: bool = True
 
     def select_outputs(self, rows: Sequence[int]) -> "ModalSystem":
-        """Return the system with the outputs at the ascending positions `rows` alone."""
+        """Return the system with the outputs at the ascending positions `rows` alone.
+
+        The wind is subtracted (`less_wind`) from the last of all outputs, if it is among them.
+        """
         last = rows[-1] == self.outputs.shape[-1] - 1
         return replace(self, outputs=self.outputs[..., rows], less_wind=self.less_wind and last)
 

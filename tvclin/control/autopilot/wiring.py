@@ -501,7 +501,7 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
     def delayed_form(delays: FloatArray, cases: IndexArray) -> StateLoop:
-        """Return loops with delays [s] ``(k,)``, of cases ``(k,)``, in the w plane for margins."""
+        """Return loops with delays [s] ``(k,)``, of cases ``(k,)``, in w = (2/h)(z - 1)/(z + 1)."""
         return _w_plane_loops(open_steps(delays, cases), h.ravel()[cases])
 
     def delayed_closed_poles(delays: FloatArray, cases: IndexArray) -> ComplexArray:

@@ -72,10 +72,10 @@ def _has_linear_law(f: Flights, batch: Batch) -> BoolArray:
 def remain_linear(batch: Batch, f: Flights, cases: IndexArray) -> BoolArray:
     """Return whether k flights in still air settle without reaching a limit, ``(k,)``.
 
-    Sufficient, not necessary: all modes of the loop decay, the states are of modes that have not
-    decayed yet, and the sums of the amplitudes of command, deflection and rate are within the
-    limits. `batch`: flights of linear laws. `f`: their arrays, at their ends. `cases`: indices of
-    the k flights.
+    Sufficient, not necessary: all modes of the loop decay, those that have not decayed yet make up
+    the state, and the sums of their amplitudes in command, deflection and rate are within the
+    limits. The rate of the nozzle is at most the `overshoot` times that of its commands. `batch`:
+    flights of linear laws. `f`: their arrays, at their ends. `cases`: indices of the k flights.
     """
     steps, rows = loop_steps(batch, f, cases)
     return np.array(
@@ -95,7 +95,8 @@ def _remains_linear(
     """Return whether flight i remains in its linear range and settles, by the modes of its loop.
 
     `f`: arrays of the flights, at their ends. `step`, `row`: step matrix of the loop, ``(n, n)``,
-    and row of its command, ``(n,)``. `overshoot`: see `_overshoots`.
+    and row of its command, ``(n,)``. `overshoot`: largest rate of the nozzle over that of its
+    commands.
     """
     z, modes = np.linalg.eig(step)
     if np.abs(z).max() > 1.0 - _MIN_DECAY:

@@ -179,6 +179,7 @@ class DeflectionTotal(Shown):
         if self.lines:
             known = " of those that are known" if self.not_sized else ""
             where = at_time(self, "the", known)
+            # `no_ramp`: no limit is sufficient with the rate limit, which the total then omits
             omitted = f", {WITHOUT_RATE}" if self.no_ramp else ""
             clauses.append(f"budget {np.degrees(self.required):.3f} deg{where}{omitted}")
         return "; ".join(clauses)
