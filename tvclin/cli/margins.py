@@ -363,7 +363,7 @@ class _Answer:
     def satisfied(self) -> bool:
         """Whether the criteria are satisfied, with detuned modes too, and no flight is lost."""
         detuned = self.detuned is None or bool(self.detuned.all_satisfied)
-        return self.margins.satisfied and detuned and not self._lost_verdict
+        return self.margins.satisfied and detuned and not self._diverged_verdict
 
     @property
     def _flown_notes(self) -> tuple[str, ...]:
@@ -379,7 +379,7 @@ class _Answer:
         return (*([unknown] if self.case.unknown_wind else []), size, *flown.notes)
 
     @property
-    def _lost_verdict(self) -> str:
+    def _diverged_verdict(self) -> str:
         """Verdict on a flight that is lost before anything changes; empty for another flight."""
         if not isinstance(self.in_wind, LostFlightError):
             return ""
@@ -390,20 +390,22 @@ class _Answer:
         """Return the margins, the criteria and the verdict as a document for JSON.
 
         Margins in flight, with their wind, are in it if flights were flown (`in_wind`), and the
-        verdict on a flight that is lost without any change (`_lost_verdict`) in their place.
+        verdict on a flight that is lost without any change (`_diverged_verdict`) in their place.
         """
         case = self.case
         wind = {"name": self.wind, **document(case.history, "peak")}
         further = {
             "wind": self.in_wind and wind,
             "detuned": self.detuned,
-            "flown": None if self._lost_verdict else self.in_wind,
+            "flown": None if self._diverged_verdict else self.in_wind,
         }
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
         more = {name: value for name, value in further.items() if value is not None}
         margins = margins_document(self.margins)
         notes = (*margins["notes"], *self._flown_notes, *self.notes)
-        return head | margins | more | {"notes": tuple(filter(None, (self._lost_verdict, *notes)))}
+        return (
+            head | margins | more | {"notes": tuple(filter(None, (self._diverged_verdict, *notes)))}
+        )
 
     def print(self, source: str, more: bool) -> None:
         """Print the verdict, the margins, notes and, with `more`, the autopilot and its bounds.
@@ -417,8 +419,8 @@ class _Answer:
         if self.detuned is not None:
             verdict += f"; with detuned modes: {self.detuned.verdict}"
             tables.append(self.detuned.table())
-        if self._lost_verdict:
-            verdict += f"; {self._lost_verdict}"
+        if self._diverged_verdict:
+            verdict += f"; {self._diverged_verdict}"
         elif isinstance(self.in_wind, FlownMargins):
             limit, rate = degrees(case.nozzle.limit or 0.0), case.hardware["sample_rate"]
             title = f"In this {wind_words(self.wind, case)}, {NOMINAL}"

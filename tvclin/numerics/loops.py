@@ -260,9 +260,8 @@ class StateLoop:
             with np.errstate(all="ignore"):
                 residues[k] = (C[k] @ right) * (B[k] @ left.conj()) / np.sum(left.conj() * right, 0)
         poles[np.abs(poles) <= _INTEGRATOR_POLE * size] = 0.0
-        # several small poles without a basis are those of a repeated integrator
         cluster = (np.abs(poles) <= _INTEGRATOR_CLUSTER * size) & ~modal[:, np.newaxis]
-        poles[cluster & (cluster.sum(axis=-1, keepdims=True) > 1)] = 0.0
+        poles[cluster & (cluster.sum(axis=-1, keepdims=True) > 1)] = 0.0  # repeated integrator
         spectrum = {"poles": poles, "residues": residues, "modal": modal}
         return cls(A, B, C, D, all_delays=delay, **spectrum, case=np.arange(len(A)))
 

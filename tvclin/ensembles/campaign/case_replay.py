@@ -165,8 +165,8 @@ class Replay:
     def extremes(self) -> dict[str, float]:
         """Largest angles in `response` [deg], and its end [s], by name; empty without a response.
 
-        The limit of the response is that of the campaign where it is less than the case requires,
-        else the requirement. With two planes the names begin with the plane.
+        The response has the limit of the campaign where the case requires more, and else the
+        required one. With two planes the names begin with the plane.
         """
         return self._extremes(
             lambda plane: self.response(self.capability, plane=plane),

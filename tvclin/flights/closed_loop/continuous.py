@@ -606,7 +606,7 @@ def _flight_end(max_attitude: float) -> Any:
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:
         """Return the smaller distance of states and attitude to their limits; negative beyond.
 
-        Both limits are widened by the factor `beyond`. That of the states, `LOST` in any unit, is a
+        Both limits are widened by the factor `beyond`. `LOST` limits the states, in any unit, to a
         size that no vehicle reaches: in a valid flight the attitude [rad] decides. `t` and `regime`
         are not used: `solve_ivp` passes them.
         """
