@@ -18,6 +18,8 @@ nominal_deflection_deg, altitude_m
 70, 1450, 2.25e7, 6.8e5, ,        9.45, 23.56, 8e4, 560, 43, 0.01, 12e3
 80, 1400, 2.25e7, 6.1e5, ,        9.45, 23.56, 7e4, 650, 38, 0, 16e3
 """
+SPEEDS = {500: 48, 560: 43, 650: 38}
+"""Velocities [m/s] and attitudes [deg] of the rows."""
 TOML = """
 [schedule]
 name = "a flight"
@@ -57,6 +59,26 @@ def test_both_kinds_of_table_say_the_same(tmp_path) -> None:
         assert schedule.height.tolist() == [9e3, 12e3, 16e3]
     assert lists.vehicle.name == "a flight"
     assert rows.at([60.0, 80.0]).velocity.tolist() == [500.0, 650.0]
+
+
+def test_headings_with_their_unit_in_brackets_are_the_keys(tmp_path) -> None:
+    head = (
+        "Time (s), Weight [kN], moment of inertia (kg m^2), Normal force slope (N/rad),"
+        " Thrust (MN), Aerodynamic arm (m), control_arm (ft), axial_force_N, Velocity (km/s),"
+        " Attitude (°), Nominal deflection (deg), Altitude (km)"
+    )
+    in_their_units = {"2.495e6": "2.495", "23.56": "77.29658792650919"}
+    in_their_units |= {f" {v}, {angle},": f" {v / 1e3}, {angle}," for v, angle in SPEEDS.items()}
+    in_their_units |= {f"{height}e3": height for height in ("9", "12", "16")}
+    text = CSV.replace(CSV[CSV.index("time_s") : CSV.index("\n60")], head)
+    for number, other in in_their_units.items():
+        text = text.replace(number, other)
+    keys, names = read(tmp_path, CSV, "keys.csv"), read(tmp_path, text, "names.csv")
+    for name in ("weight", "moment_of_inertia", "thrust", "control_arm", "velocity", "attitude"):
+        expected = getattr(keys.vehicle, name)
+        np.testing.assert_allclose(getattr(names.vehicle, name), expected, rtol=1e-14)
+    np.testing.assert_allclose(names.height, keys.height, rtol=1e-14)
+    np.testing.assert_allclose(names.nominal_deflection, keys.nominal_deflection, rtol=1e-14)
 
 
 def test_a_damping_over_the_flight_is_read_written_and_read_again(tmp_path) -> None:
@@ -108,6 +130,8 @@ def test_a_jet_in_a_row_that_is_wrong_names_the_row(tmp_path) -> None:
         (CSV[CSV.index("70,") :], "", "two or more times; got 1"),
         ("altitude_m", "hight_m", r"line 2: unknown key in the schedule: 'hight_m'"),
         ("altitude_m", "Height (m)", r"line 2: 'Height \(m\)' is no key.* tvclin import table"),
+        ("weight_kN", "Weight (stone)", r"'Weight \(stone\)' is no key.* import table FILE --colu"),
+        ("weight_kN", "Time [s]", r"every column needs a key of its own; got 'time_s'"),
         ("velocity_m_per_s", "altitude_ft", r"line 2: a key is missing in the schedule: velocity_"),
         (CSV[CSV.index("time_s") :], "", "no line of keys, such as time_s.* tvclin import table"),
     ],

@@ -18,6 +18,7 @@ from tvclin.base.files import called, exists, tables_of
 from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.base.sheet import MISSING_NUMBERS, Headings, cell_number, lines_of, sheet_in
 from tvclin.base.tables import FileTable
+from tvclin.base.units import factor_of
 from tvclin.vehicle import vehicle_file
 from tvclin.vehicle.linear_vehicle import AnyVehicle, load_any_vehicle
 from tvclin.vehicle.structure import Structure
@@ -37,6 +38,10 @@ FLIGHT_COLUMNS = FileTable(
 """Columns of a flight schedule beside the keys of [vehicle]."""
 _WORDS = ("name", "structure")
 """Columns of text: names of the vehicle and of the table of its structure."""
+_CONVERSION = (
+    "tvclin import table FILE --columns MAP.toml -o NEW.csv converts other names and units"
+)
+"""What makes a schedule of a table with other headings."""
 _PRESSURE_NUMBERS = ("time", "dynamic_pressure", "velocity", "altitude")
 """Parameters of `pressure_notes`."""
 SOURCE_TABLE = FileTable("[schedule]", words=("source", "structure"))
@@ -55,8 +60,9 @@ def load_schedule(
     Parameters
     ----------
     source : str or path
-        A CSV file: one line of the keys of vehicle files, `time_s` among them, then a line for
-        each time; a constant may stand in the first line only. A TOML file with a table
+        A CSV file: one line of the keys of vehicle files, `time_s` among them, or of their names
+        with the unit in brackets, ``Time (s)``, then a line for each time; a constant may stand in
+        the first line only. A TOML file with a table
         [schedule]: lists of one length, and numbers that do not change. Or a vehicle with a table
         [flight], by name or file: its nominal flight. Tables may hold nominal_deflection_deg,
         altitude_m, actuator_frequency_rad_per_s with actuator_damping, and as `structure` the name
@@ -277,19 +283,18 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
 def _csv_rows(text: str, source: str) -> list[Row]:
     """Return the rows of a schedule in the text of a CSV file; `source`: its path, for errors."""
     missing = (
-        "keys, such as time_s,weight_N (tvclin init --keys has all; tvclin import table reads a"
-        " table of other names)"
+        "keys, such as time_s,weight_N, or Time (s),Weight (N) (tvclin init --keys has all;"
+        f" {_CONVERSION})"
     )
     sheet = sheet_in(lines_of(text, source), _key_count, missing)
-    keys = [heading.text for heading in sheet.headings]
+    keys = _keys_of(sheet.headings)
     for key in keys:
         if keys.count(key) > 1:
             raise sheet.error(f"every column needs a key of its own; got {shown(key)}")
     with naming(f"{called(source)}, line {sheet.head + 1}"):
         if others := [key for key in keys if not key.isidentifier()]:
             raise InputError(
-                f"{shown(others[0])} is no key, such as weight_N; tvclin import table reads a table"
-                " of other names"
+                f"{shown(others[0])} is no key, such as weight_N or Weight (N); {_CONVERSION}"
             )
         not_vehicle = {*FLIGHT_COLUMNS.keys, *_WORDS}  # columns but for numbers of the vehicle
         vehicle_file.check_columns([key for key in keys if key not in not_vehicle], _SCHEDULE)
@@ -303,7 +308,24 @@ def _csv_rows(text: str, source: str) -> list[Row]:
 def _key_count(headings: Headings) -> float:
     """Return how well a line of headings fits: the number of keys of vehicles and schedules."""
     schedule_keys = {*vehicle_file.VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
-    return float(sum(heading.text in schedule_keys for heading in headings))
+    return float(sum(key in schedule_keys for key in _keys_of(headings)))
+
+
+def _keys_of(headings: Headings) -> list[str]:
+    """Return the keys of headings: ``weight_kN`` of ``weight_kN`` and of ``Weight [kN]``.
+
+    A heading without a key, or with a unit that no key has, keeps its text.
+    """
+    kinds = vehicle_file.VEHICLE_TABLE.quantities | FLIGHT_COLUMNS.quantities
+    tables = vehicle_file.VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys
+    key_of = {quantity_and_factor: key for key, quantity_and_factor in tables.items()}
+    keys = []
+    for heading in headings:
+        name, unit, factor = heading.quantity, heading.unit, None
+        if unit is not None and name in kinds:
+            factor = factor_of(unit, kinds[name])
+        keys.append(heading.text if factor is None else key_of.get((name, factor), heading.text))
+    return keys
 
 
 def _column(source: str, labels: list[str], key: str, cells: tuple[str, ...]) -> Any:

@@ -127,6 +127,11 @@ class Heading:
         return letters(self.name), letters(_SYMBOL.sub("", self.name))
 
     @property
+    def quantity(self) -> str:
+        """Name as keys of files have it: in lower case, its words joined by underscores."""
+        return "_".join(self.name.lower().split())
+
+    @property
     def words(self) -> list[str]:
         """Words of name and unit in lower case, split at blanks, underscores and brackets."""
         return [word for word in re.split(r"[\s_()\[\]]+", self.text.lower()) if word]
