@@ -111,10 +111,10 @@ def optional_unit(kind: str) -> tuple[str, str, float]:
 
     Of an angle that is ("_deg", "deg", pi/180). Most options are in SI units.
     """
-    suffix = _OPTION_UNITS.get(kind, "")
-    if not suffix:
+    unit = _OPTION_UNITS.get(kind, "")  # as in names, "deg_per_s"
+    if not unit:
         return _OPTION_SUFFIXES.get(kind, ""), si_unit(kind), 1.0
-    return _OPTION_SUFFIXES[kind], written(suffix), UNITS[kind][suffix]
+    return _OPTION_SUFFIXES[kind], written(unit), UNITS[kind][unit]
 
 
 def document_unit(kind: str) -> str:

@@ -442,22 +442,23 @@ def plane_limit(
     switch : {"report", "literal"}
         Condition for the exit of the dead band, as in `trim_then_hold`.
     yaw_plant : Plant, optional
-        Plant of the yaw plane; by default the same as in pitch. With other poles the constant
-        deflection is safe, and at most two percent more than `plane_optimum` up to a ratio of 1.5.
+        Plant of the yaw plane; by default the same as in pitch. If poles differ, a constant
+        deflection requires too much: up to two percent more than `plane_optimum` for a ratio of
+        the poles up to 1.5.
 
     Returns
     -------
     PlaneLimit
-        The boundary of the control, or a larger lower bound, which the notes then name: the minimum
-        over all unstable poles; for 0 < K < 1 that minimum after trim (in a wind that turns to one
-        part in a thousand); for K = 1 the bound without a forecast. Notes also say how far off a
-        minimum may be that is not solved.
+        The boundary of the control: trim in the dead band, then a constant deflection. Or a lower
+        bound where that is larger, with a note: with several unstable poles the minimum of any
+        control, and for 0 < K < 1 of any control after trim (to 1e-3 in a wind that turns); at K =
+        1 the bound of laws without a forecast. A minimum that is not solved has a note as well.
 
     Raises
     ------
     InputError
         For a wind without a direction, one that is zero or never ends, a dead band outside [0, 1],
-        a wind that turns where b1, the rate of the path, is below zero, and plants without unstable
+        a wind that turns where b1 of `Coefficients` is below zero, and plants without unstable
         poles, with a complex pair, two fastest poles that are together, or no aerodynamic moment.
 
     Notes

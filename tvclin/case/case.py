@@ -192,8 +192,8 @@ class Case:
         """Return the wind in the plane, with the gust at the worst time for a dead band K.
 
         A wind with a heading is projected on the plane; an ensemble, a history and a wind without a
-        gust are returned as they are, and a gust with a time of its own stays there. `dead_band`:
-        K, the vehicle is trimmed up to K times the limit.
+        gust are returned as they are. A gust keeps a time of its own, and one against the wind is
+        in the wind's middle. `dead_band`: K, the vehicle is trimmed up to K times the limit.
         """
         wind = self.wind
         if isinstance(wind, VehicleWind):

@@ -193,9 +193,10 @@ class Judge:
         """Return requirements narrowed by flights where these decide on limits [rad]; and notes.
 
         `bounds`: requirements of the soundings without flights. `limits`: by azimuth, ``(a,)``; a
-        negative one counts as zero. A sounding whose bounds lie to both sides of the limit, and
-        that does not survive with it, is flown for what it requires, if all its wind is known. One
-        that survives with less than its lower bound has the limit for its requirement.
+        negative one counts as zero. A sounding is flown with the limit where that is between its
+        bounds, or below the lower one but not below the lowest that may survive (`bounds.lowest`).
+        If it survives, the limit becomes its upper bound, in the second case both bounds. If it is
+        lost between the bounds, with all its wind known, it is flown for what it requires.
         """
         limit = np.maximum(limits, 0.0)[:, np.newaxis]
         lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
@@ -299,10 +300,11 @@ class Judge:
     ) -> FloatArray:
         """Return bounds of the required deflections [rad] of n winds in a azimuths, ``(3, a, n)``.
 
-        They are the lower bound, the upper bound, and the lowest limit with which a flight may
-        survive; of both planes they are combined by the limit shape. `within`: heights [m] between
-        which the winds of `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not
-        known is strong, or calm.
+        Rows: lower bound by theory, upper bound, and the lowest limit with which a flight of the
+        trim law may survive, less than the first where trim reaches a limit more than once. The
+        limit shape combines both planes. `within`: heights [m] between which the winds of
+        `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not known is strong, or
+        calm.
         """
         towards = []  # one array (3, n) for each azimuth
         for a in range(self.azimuths.size):

@@ -279,18 +279,17 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
     angles = _angles(batch, pole, 0.0)
 
     def samples(fraction: float) -> float:
-        """Return the smallest delay in samples n, a real number, beyond a `fraction` of a sample.
+        """Return the smallest n, a real number, with a mode at the stability limit; inf if none.
 
-        The least n is the `present` delay, in samples, without the fraction. l is the response of
-        the loop at z = e^(j theta), at the angles theta of ``|l| = 1``, between `angles`; each
-        further sample turns its phase by theta.
+        The delay is n + `fraction` samples, and at least the `present` one. With the fraction alone
+        the loop has the response l at z = e^(j theta). A mode is at the limit where
+        l e^(-j n theta) = 1: at each angle theta of ``|l| = 1`` for n = arg(l)/theta.
         """
-        # of the loop with a factor on the gain, and without a delay of whole samples
         loop = _response(batch.delayed(fraction * h), "gain", samples=0.0)
         theta = np.array(_roots(lambda a: np.log(np.abs(loop(a))), angles))
-        minimum = present - fraction
-        phase = np.mod(np.angle(loop(theta)) - minimum * theta, 2.0 * np.pi)
-        return float(np.min(minimum + phase / theta, initial=np.inf))
+        minimum = present - fraction  # n of the present delay
+        remaining_phase = np.mod(np.angle(loop(theta)) - minimum * theta, 2.0 * np.pi)
+        return float(np.min(minimum + remaining_phase / theta, initial=np.inf))
 
     first = samples(0.0)
     if first == np.inf:

@@ -503,11 +503,10 @@ class Stages:
 
     @cached_property
     def _memory(self) -> Memory:
-        """Step matrices of the states of laws and filters, for each sample or one for all.
+        """Step matrices of the states of the law and its filters over a sample, see `Memory`.
 
-        There is one for each where a filter varies along the flight. The only state of a law
-        without filters is the integral of the attitude; then the rows of the law's inputs and of
-        the filtered demand are empty.
+        One for each sample where a filter varies along the flight, else one for all. The state of a
+        law without filters is the integral of the attitude, if it is fed back.
         """
         laws, count = self.laws, self.times.size
         integral = attitude_integral(bool(np.any(laws.integral_gain)))
@@ -518,6 +517,7 @@ class Stages:
         memory = memory_of(integral, chains, lengths, size)
         if any(chains):
             return memory
+        # without filters the kernel takes sensors and demand as they are: no rows for them
         return memory._replace(inputs=memory.inputs[:0], demand=memory.demand[:0])
 
     @cached_property

@@ -388,22 +388,21 @@ def closed_loop_boundary(
 
     flown, total = count(1), (1 + LEVELS) * len(winds)  # a scan and its refinements fly each wind
 
-    def tell() -> None:
+    def report_wind() -> None:
         """Report a further wind, of `total`, to the function `progress`, if there is one."""
         if progress is not None:
             progress(min(next(flown), total), total)
 
     def status_at(limits: FloatArray) -> NDArray[np.str_]:
-        """Return the status of flights at limits over trim ``(n,)``, in all winds.
-
-        `scale` is the largest trim deflection [rad].
-        """
+        """Return the status of flights in all winds with each of `limits`, over trim, ``(n,)``."""
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
             """Return the status in one wind of flights with the `chosen` limits over trim."""
-            return flight(wind)(np.minimum(limits[chosen] * scale, MAX_DEFLECTION_LIMIT))
+            limits_rad = limits[chosen] * scale  # `scale`: the largest trim [rad]
+            status_of = flight(wind)  # function from limits [rad] to the status of flights in it
+            return status_of(np.minimum(limits_rad, MAX_DEFLECTION_LIMIT))
 
-        return status_in_all_winds(winds, status, limits.size, tell)
+        return status_in_all_winds(winds, status, limits.size, report_wind)
 
     with repeated(total):  # similar runs, which decide between compiled and plain code
         scan = limit_above_losses(status_at, np.linspace(low, high, STEPS + 1))
