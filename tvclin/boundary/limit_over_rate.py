@@ -508,10 +508,11 @@ class _Case:
     def required_rate(self, limit: float | None) -> float:
         """Return the minimum rate [rad/s] at a deflection limit [rad], or at any for None.
 
-        Infinite if none is sufficient. The fastest pole alone requires a rate in closed form, which
-        other poles can only raise. `deflection(r)` is the minimum deflection [rad] at the rate r;
-        `minimum` is that without a rate limit, and `law_bound` the bound without a forecast.
+        Infinite if none is sufficient. The rate of the fastest pole alone, in closed form, is tried
+        first: other poles can only raise it. `deflection(r)` is the minimum deflection [rad] at the
+        rate r, `minimum` without a rate limit.
         """
+        # a ramp slower than pole times the constant deflection required is too late at any angle
         lowest = max(self.minimum_rate, self.pole * self.law_bound)
         if limit is None or self.minimum == 0.0:
             return lowest if limit is None else 0.0

@@ -317,8 +317,9 @@ def design(
 
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
+    # functions that put the options over the plan of the file, the last a check
     changes = [*(options.applied_to for options in (timing, motion, least, gains)), _with_gains]
-    questions = ("design", "design --box") if box else ("design",)
+    questions = ("design", "design --box") if box else ("design",)  # notes say what they neglect
     case = case_of(vehicle, *changes, wind=winds.applied_to, questions=questions, time=time)
     with waiting("seeking gains"):
         sought = least.minimum(case)

@@ -425,8 +425,9 @@ def worst_of(flights: dict[str, Compared]) -> Compared:
     """
 
     def order(name: str) -> tuple[bool, float, float]:
-        """Return the criteria of the worse flight, the most important first."""
+        """Return whether a flight diverges, its boundary [rad], and largest attitude [rad]."""
         flown = flights[name]
+        # the first of a pair is the flight's, the second that of the linear theory
         boundary = 0.0 if flown.boundary is None else flown.boundary[0] or 0.0
         return flown.flight.survived is not True, boundary, flown.flight.peaks("attitude")[0]
 

@@ -294,9 +294,10 @@ def with_sudden_ends(winds: tuple[History, ...], stops: int) -> History:
     The batch is flat, ``(winds * (stops + 1),)``. `winds`: one history each. The instants divide
     the time from the onset of a wind to its end, and after each of them the wind is zero.
     """
-    # The k-th wind times the k-th unit row is a batch with zero winds but for the k-th.
+    # the sum is the batch of the winds: each times its unit row, zero in the others' places
     rows = zip(winds, np.eye(len(winds)), strict=True)
     combined = reduce(add, (wind * row for wind, row in rows))
+    # (stops + 1, winds): sudden ends, and last the end itself, of the complete wind
     times = np.linspace(combined.onset, combined.end, stops + 2)[1:]
     return combined.before(times).cases(np.arange(times.size), times.shape)
 

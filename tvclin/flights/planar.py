@@ -346,7 +346,7 @@ class PlanarCase:
                 events=_attitude_end,
                 args=(limit, *inputs),
             )
-            arcs.append(Arc(float(first), result.sol, 0.0))
+            arcs.append(Arc(float(first), result.sol, mode=0.0))  # no law that changes its mode
             state = result.y[:, -1]  # at the end of the arc
             if result.status:  # the attitude has left the range of the model
                 break

@@ -187,6 +187,7 @@ class FlightComparison:
         outcomes = ((outcome,) for outcome in self.outcomes)
         rows: list[tuple[Line, ...]] = [(("with this limit the vehicle",), *outcomes)]
         for k, (label, pair) in enumerate(angles.items()):
+            # of an infinite smallest limit the cell is "none is sufficient"
             cells = [
                 minimum_limit(degrees(f"flown.{k}.{i}", angle)) for i, angle in enumerate(pair)
             ]

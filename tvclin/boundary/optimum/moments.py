@@ -358,9 +358,10 @@ class SignedSum:
 
     @cached_property
     def residual(self) -> float:
-        """Largest violation of a condition by the deflection norm sgn(lambda . e), a fraction.
+        """Largest violation of the conditions of survival by the deflection norm sgn(lambda . e).
 
-        It is relative to the size of the condition's terms.
+        Condition i: the integral of deflection times e_i is the demand i of the wind [rad s]. The
+        violation is relative to the sum of the terms' sizes.
         """
         demands = self.window.constraints.demands
         with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure

@@ -303,7 +303,9 @@ def optimum_with_rate_limit(
             change=0.0,
             status=status,
         )
+    # `peak` over the unlimited one; `change`: its decrease by the last refinement of the nodes
     program, peak, change = _refined(constraints, unlimited, start, rate, steps)
+    # values at the nodes: of all deflections with this peak the one that moves least
     values = program.minimum_motion(peak * (1.0 + _RELATIVE_CHANGE)) if np.isfinite(peak) else None
     if values is None:
         sufficient = 1.001 * program.minimum_rate()  # as the smallest one takes an endless ramp

@@ -294,7 +294,7 @@ def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> 
             " Python see minimum_deflection_gains"
         )
     for name in _designed_drift_gains(rule, numbers):
-        del options[name]
+        del options[name]  # zero: the rule sets this gain
     if rule == DRIFT_POLES:
         return drift_gains(plant, **numbers, **options)
     if rule in _RULES_WITHOUT_POLES:  # canonical, half-relief and lqr

@@ -307,7 +307,11 @@ class Availability(Tabled):
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the record for JSON, angles in degrees."""
+        """Return the record for JSON, angles in degrees, by azimuth under "towards".
+
+        "placard_deg": limits sufficient for fractions of the soundings. "persistence_deg": angle
+        kept for the change of the wind after the balloon.
+        """
         names = [f"{100 * fraction:g} %" for fraction in PLACARD]
         months = {
             str(month): self._as_tuple(fractions) for month, fractions in self.by_month().items()

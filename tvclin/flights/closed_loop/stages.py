@@ -522,14 +522,14 @@ class Stages:
 
     @cached_property
     def _judged(self) -> tuple[IntArray, IntArray]:
-        """Samples after which flights through each wind are judged, and numbers of settled samples.
+        """Sample from which flights through a wind are judged, and number of settled samples.
 
-        A flight survives if it stays settled, well inside the recoverable set, for the second
-        number of samples. Both are ``(w,)``, counted from the start of the flight. A wind that
-        lasts until the end of the flight is judged before that end, by the settling time there and
-        two more judgements, from the first sample on at the earliest.
+        Each ``(w,)``, from the start of the flight. A flight survives if it stays settled, well
+        inside the recoverable set, for that number. It is judged from the end of the wind on; where
+        that is the end of the flight, earlier by the settling time and two more judgements.
         """
         h, flight = self.period, self.flight_of_wind
+        # last samples of flights, and of their winds, from the start of the flight
         samples, ends = self.samples[flight], self._ends[0] - self.first_sample[flight]
         # of `plants` those at the ends of winds and of flights follow those at the breakpoints
         criteria, begin = outcome_criteria(self.plants), sum(map(np.size, self.vehicle_breaks))
