@@ -429,7 +429,7 @@ class _TrimThenHold(TrimLaw):
     def engage(self) -> float:  # type: ignore[override]
         """Demanded deflection over the limit from which on the limit is held: the dead band K.
 
-        At least the demand that marks the onset of a wind.
+        With K = 0, where any demand holds it, a tiny number above rounding.
         """
         return max(self.dead_band, ONSET_OVER_LIMIT)
 

@@ -119,9 +119,10 @@ def unstable_poles(plant: Plant) -> AnyArray:
 
 
 def select_unstable(all_modes: AnyArray) -> AnyArray:
-    """Return the unstable poles among all poles ``(..., n)`` [1/s], ``(..., N)``.
+    """Return the N unstable poles among n poles [1/s], ``(..., N)``.
 
-    `all_modes`: all poles by falling real part. NaN where a case has fewer, and real where all are.
+    `all_modes`: poles by falling real part, ``(..., n)``. NaN where a case has fewer; real where
+    all are.
     """
     unstable = is_unstable(all_modes)  # in each case the first of its poles
     count = sum(bool(np.any(column)) for column in np.moveaxis(unstable, -1, 0))

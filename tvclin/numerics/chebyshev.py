@@ -251,7 +251,7 @@ def _refined(
 
 
 def _packed(arrays: dict[str, FloatArray]) -> FloatArray:
-    """Return arrays ``(m, ...)`` by name as one array ``(m, k)``, flattened side by side."""
+    """Return arrays ``(m, ...)`` by name as m rows of all their k numbers, ``(m, k)``."""
     rows = (array.reshape(len(array), int(np.prod(array.shape[1:]))) for array in arrays.values())
     return np.concatenate([*rows], axis=1)
 

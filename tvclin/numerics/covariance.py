@@ -99,7 +99,7 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
 def constant_over_steps(
     A: tuple[FloatArray, FloatArray], noise: tuple[FloatArray, FloatArray], times: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the constant A and N with the same step, to fourth order, as those that vary.
+    """Return the constant A and N of m steps with the effect, to fourth order, of varying ones.
 
     Both ``(m, n, n)``. `A`, `noise`: state matrix A [1/s] and noise density N of x' = A x + n, at
     the two Gauss points (`GAUSS_NODES`) of each step, each ``(m, n, n)``; N is symmetric. `times`:
@@ -111,7 +111,7 @@ def constant_over_steps(
     factor = np.sqrt(3.0) / 12.0 * np.asarray(times)[:, np.newaxis, np.newaxis]
 
     def noise_slope(matrix: FloatArray, noise: FloatArray) -> FloatArray:
-        """Return A N + N A' of a matrix A and a symmetric noise density N, ``(m, n, n)``.
+        """Return A N + N A' of m matrices A and symmetric noise densities N, ``(m, n, n)``.
 
         It is the rate at which motion by A changes a covariance N.
         """

@@ -132,7 +132,7 @@ class Rational:
         return polynomials.roots(self.denominator + self.numerator)
 
     def zeros(self) -> AnyArray:
-        """Return the roots of the numerators ``(k, n + 1)`` [1/s]; NaN fills rows ``(k, n)``."""
+        """Return the roots [1/s] of k numerators of degree n, ``(k, n)``; NaN fills the rows."""
         return polynomials.roots_of_each(self.numerator)
 
     def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
@@ -151,7 +151,7 @@ class Rational:
         return frequencies, np.asarray(slope > 0.0)
 
     def real_frequencies(self) -> FloatArray:
-        """Return the frequencies [rad/s] at which L without its delay is real, ``(k, m)``."""
+        """Return the frequencies [rad/s] at which k loops without delay are real, ``(k, m)``."""
         # Im(N conj(D))/omega as a polynomial in omega^2
         polynomial = polynomials.imaginary_part(self.numerator, self.denominator)
         with np.errstate(all="ignore"):
@@ -295,29 +295,27 @@ class StateLoop:
         return self._fraction(values, omega)
 
     def value(self, s: AnyArray) -> AnyArray:
-        """Return k loops L with their delay at m complex frequencies `s` each [1/s], ``(k, m)``.
-
-        No frequency is a pole.
-        """
+        """Return k loops L with their delays at m values `s` [1/s] off the poles, ``(k, m)``."""
         return product(self._modal_sum(s), np.exp(-s * self.delay[:, np.newaxis]))
 
     def slope(self, s: AnyArray) -> AnyArray:
-        """Return dL/ds with the delay at complex frequencies ``(k, m)`` [1/s], off the poles."""
+        """Return dL/ds of k loops with delays at m values `s` [1/s] off the poles, ``(k, m)``."""
         delay = self.delay[:, np.newaxis]
         slope = self._modal_sum(s, slope=True) - delay * self._modal_sum(s)
         return slope * np.exp(-s * delay)
 
     def undelayed(self, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
-        """Return numerator and denominator of L without its delay at j omega, ``(k, m)``.
+        """Return numerator and denominator of k loops without delay at j omega, ``(k, m)``.
 
-        They are L and one, and at a pole one and zero. `omega`: frequencies [rad/s], ``(k, m)``.
+        They are L and one, and at a pole one and zero. `omega`: m frequencies [rad/s], ``(k, m)``.
         """
         return self._fraction(self._solved(1j * omega)[0], omega)
 
     def log_slope(self, omega: FloatArray) -> AnyArray:
-        """Return d ln G/d omega = j G'/G at j omega, ``(k, m)``, with G' = -C (s - A)^-2 B.
+        """Return d ln G/d omega = j G'/G of k loops at j omega, ``(k, m)``.
 
-        `omega`: frequencies [rad/s], ``(k, m)``. G is L without its delay.
+        `omega`: m frequencies [rad/s] of each, ``(k, m)``. G is L without its delay, and G' =
+        -C (s - A)^-2 B.
         """
         with np.errstate(all="ignore"):
             return 1j * (self._modal_sum(1j * omega, slope=True) / self._modal_sum(1j * omega))
@@ -342,9 +340,9 @@ class StateLoop:
         return self.poles[self.case]
 
     def closed_poles(self) -> AnyArray:
-        """Return the closed-loop poles without delay [1/s], ``(k, n)``: eig(A - B C/(1 + D)).
+        """Return the n closed-loop poles of k loops without delay [1/s], ``(k, n)``.
 
-        A, B, C and D are L in state space.
+        They are the eigenvalues of A - B C/(1 + D).
         """
         A, B, C, D = self._matrices
         returned = B[..., :, np.newaxis] * C[..., np.newaxis, :]
@@ -361,9 +359,9 @@ class StateLoop:
     def crossovers(self, size: float) -> tuple[FloatArray, BoolArray]:
         """Return the frequencies [rad/s] with |L| = `size`, and whether |L| falls there.
 
-        Both ``(k, m)``, ascending: imaginary eigenvalues of the Hamiltonian matrix of G = L/size
-        (Boyd, Balakrishnan and Kabamba 1989), each refined by Newton's method on |L| itself. With R
-        = 1 - D^2 and A1 = A + B C D/R the matrix is
+        Both ``(k, m)`` of k loops, ascending, NaN-filled: imaginary eigenvalues of the Hamiltonian
+        matrix of G = L/size (Boyd, Balakrishnan and Kabamba 1989), each refined by Newton's method
+        on |L| itself. With R = 1 - D^2 and A1 = A + B C D/R the matrix is
 
             [A1, B B'/R; -C' C (1 + D^2/R), -A1'],
 
@@ -396,7 +394,7 @@ class StateLoop:
         return np.take_along_axis(omega, order, axis=-1), np.take_along_axis(falls, order, axis=-1)
 
     def real_frequencies(self) -> FloatArray:
-        """Return the frequencies [rad/s] at which L without its delay is real, ``(k, m)``.
+        """Return the frequencies [rad/s] at which k loops without delay are real, ``(k, m)``.
 
         They are imaginary zeros of L(s) - L(-s), whose state matrix is block diagonal in A and -A,
         and its direct term zero. NaN fills the rows; zeros far above all poles are left out.
@@ -453,7 +451,7 @@ class StateLoop:
         return values
 
     def _solved(self, s: AnyArray, *, slope: bool = False) -> tuple[AnyArray, ...]:
-        """Return L without its delay, and with `slope` dL/ds, at s ``(k, m)`` [1/s], by solving.
+        """Return k loops L without delay, and with `slope` dL/ds, at m `s` [1/s] each, ``(k, m)``.
 
         By linear solves, C (s - A)^-1 B + D and -C (s - A)^-2 B, not by residues. Infinite at a
         pole, and NaN at NaN: there the matrix is of another s, away from all poles. Many loops
@@ -489,10 +487,10 @@ class StateLoop:
         return tuple(values)
 
     def _newton_crossovers(self, omega: FloatArray, size: float) -> FloatArray:
-        """Return frequencies ``(k, m)`` [rad/s] with |L| = `size`, ascending, by Newton's method.
+        """Return frequencies [rad/s] with |L| = `size`, ascending, by Newton's method, ``(k, m)``.
 
         On ln(|L|/`size`), whose slope over omega is -Im(L'/L) with L' = dL/ds; a step is at most a
-        tenth of the frequency. `omega`: estimates ``(k, m)``. NaN without convergence.
+        tenth of the frequency. `omega`: m estimates for each of k loops. NaN without convergence.
         """
         error = np.full(omega.shape, np.nan)
         with np.errstate(all="ignore"):
@@ -514,7 +512,7 @@ class StateLoop:
     def _fraction(values: AnyArray, omega: FloatArray) -> tuple[AnyArray, AnyArray]:
         """Return L as numerator and denominator ``(k, m)``: L and 1, or at a pole of L 1 and 0.
 
-        `values`: L at the frequencies `omega` [rad/s], ``(k, m)``; infinite or NaN at a pole.
+        `values`: k loops L at m frequencies `omega` [rad/s] each; infinite or NaN at a pole.
         """
         at_pole = ~np.isfinite(values) & ~np.isnan(omega)
         ones = np.ones_like(values)
@@ -532,8 +530,8 @@ def _add_terms(
 ) -> None:
     """Add r/(s - p), or its slope -r/(s - p)^2, for each pole p to a total, in sequence.
 
-    `total`: real and imaginary part, ``(2, k, m)``, changed in place. `s`: ``(k, m)``. `poles`,
-    `residues`: ``(n, k)``.
+    `total`: real and imaginary part, ``(2, k, m)``, changed in place, of k loops at m `s` each,
+    ``(k, m)``. `poles`, `residues`: n of each loop, ``(n, k)``.
     """
     columns = [
         np.ascontiguousarray(part)[..., np.newaxis]
@@ -582,8 +580,8 @@ def _terms(
 def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArray:
     """Return the finite s at which [[A - s, B], [C, D]] is singular, ``(k, n + 1)``, NaN-filled.
 
-    They are the zeros of C (s - A)^-1 B + D, by generalised eigenvalues (QZ). `A`, `B`, `C`, `D`:
-    ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``.
+    They are the zeros of k loops C (s - A)^-1 B + D, by generalised eigenvalues (QZ). `A`, `B`,
+    `C`, `D`: ``(k, n, n)``, ``(k, n)``, ``(k, n)`` and ``(k,)``, with n states.
     """
     from scipy.linalg.lapack import dggev  # late: it takes 0.1 s to import
 
@@ -600,7 +598,7 @@ def _zeros(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray) -> AnyArr
 
 
 def _packed(frequencies: FloatArray) -> FloatArray:
-    """Return rows of frequencies ``(k, m)`` ascending, NaN last, as wide as the longest row."""
+    """Return k rows of frequencies, ascending, NaN last, as wide as the longest row, ``(k, m)``."""
     frequencies = np.sort(frequencies, axis=-1)
     width = int(np.sum(~np.isnan(frequencies), axis=-1).max(initial=0))
     return frequencies[:, :width]

@@ -129,8 +129,8 @@ def flat_batch(array: AnyArray, trailing: int, kind: Any) -> AnyArray:
 def flat_arrays(pieces: Pieces, kind: Any) -> tuple[FloatArray, AnyArray, AnyArray]:
     """Return knots ``(k, n)``, coefficients ``(k, n, rates, degree + 1)``, rates ``(k, rates)``.
 
-    For kernels: the arrays of `pieces`, with the batch on one axis. `kind`: dtype of the
-    coefficients and of the rates.
+    For kernels: the arrays of `pieces` of k histories with n knots, the batch on one axis. `kind`:
+    dtype of the coefficients and of the rates.
     """
     return (
         flat_batch(pieces.knots, 1, np.dtype(float)),
@@ -331,9 +331,10 @@ def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
 
 
 def _cut(knots: FloatArray, fastest: FloatArray) -> FloatArray:
-    """Return knots ``(k, m)`` with further ones between them, short enough for a fast exponential.
+    """Return knots [s] with further ones between, close enough for a fast exponential, ``(k, m)``.
 
-    `knots`: ``(k, n)`` [s]. `fastest`: size of the fastest rate of each history, ``(k,)`` [1/s].
+    `knots`: of k histories, ``(k, n)`` [s]. `fastest`: size of the fastest rate of each, ``(k,)``
+    [1/s].
     """
     widths = np.diff(knots, axis=-1)
     parts = np.ceil(

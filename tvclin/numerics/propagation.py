@@ -64,7 +64,7 @@ class Motion:
     starts: AnyArray
 
     def at(self, times: FloatArray) -> AnyArray:
-        """Return the states ``(m, n)`` at the times ``(m,)`` [s]; zero before the first knot."""
+        """Return the n states at m times [s], ``(m, n)``; zero before the first knot."""
         index = np.searchsorted(self.knots, times, side="right") - 1
         start = np.where((index < 0)[:, np.newaxis], 0.0, self.starts[np.maximum(index, 0)])
         steps = np.maximum(times - self.knots[np.maximum(index, 0)], 0.0)
@@ -251,7 +251,7 @@ def _finite_exponentials(matrix: AnyArray, steps: FloatArray) -> AnyArray:
 
 
 def matrices_on_states(matrices: AnyArray, states: AnyArray) -> AnyArray:
-    """Return the products ``(m, n)`` of matrices ``(m, n, n)`` and states ``(m, n)``."""
+    """Return the products ``(m, n)`` of m matrices ``(m, n, n)`` and states ``(m, n)``."""
     return np.asarray((matrices @ states[..., np.newaxis])[..., 0])
 
 

@@ -33,12 +33,13 @@ def first_crossing(times: FloatArray, values: FloatArray, evaluate: Evaluate) ->
 
 
 def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> FloatArray:
-    """Return the root between `low` and `high` ``(k,)``, `high` where no value rises through zero.
+    """Return the roots of k functions between `low` and `high` ``(k,)``; `high` without a root.
 
-    `evaluate`: function from points and their positions in `low`, both ``(m,)``, to values
-    ``(m,)``. By the method of Chandrupatla (1997) as `scipy.optimize.elementwise.find_root` has it,
-    whose import takes as long as a whole study: inverse quadratic interpolation where three points
-    allow it, else bisection, down to four roundings of the root.
+    A value must rise through zero. `evaluate`: from m points ``(m,)`` and the indices of their
+    functions, positions in `low`, to values ``(m,)``. By the method of Chandrupatla (1997) as
+    `scipy.optimize.elementwise.find_root` has it, whose import takes as long as a whole study:
+    inverse quadratic interpolation where three points allow it, else bisection, down to four
+    roundings of the root.
     """
     index, root = np.arange(low.size), high.copy()
     begin, end = evaluate(low, index), evaluate(high, index)

@@ -314,7 +314,7 @@ class LocusPoles:
         return np.sum(np.imag(self.closed(factors)) == 0.0, axis=-1)
 
     def branches(self, factors: FloatArray) -> AnyArray:
-        """Return the poles ``(k, n)`` at rising factors, each column one branch of the locus.
+        """Return n poles at each of k rising factors, ``(k, n)``, a column for each branch.
 
         Poles of successive factors are assigned with the smallest sum of squared distances.
         """
@@ -435,7 +435,8 @@ def root_locus_chart(
 def _within(branches: AnyArray, loop: Loop) -> AnyArray:
     """Return branches of poles, interrupted where a sampled pole wraps around half the rate.
 
-    `branches`: poles [1/s] over factors, ``(n, b)``. `loop`: the loop, sampled or continuous.
+    `branches`: poles [1/s] at n factors on the gain, a column for each of b branches, ``(n, b)``.
+    `loop`: the loop, sampled or continuous.
     """
     if not isinstance(loop, SampledLoop):
         return branches
@@ -525,7 +526,7 @@ def _axis_marks(samples: LoopSamples) -> list[Mark]:
 def _draw_locus(axes: Axes, locus: LocusPoles, branches: AnyArray) -> list[Any]:
     """Return the drawn lines of poles, zeros and branches in axes.
 
-    `locus`: locus of a loop. `branches`: its closed-loop poles [1/s], ``(n, b)``.
+    `locus`: locus of a loop. `branches`: its closed-loop poles [1/s] at n factors, ``(n, b)``.
     """
     axes.axhline(0.0, color="0.6", lw=0.8, zorder=0.5)
     axes.axvline(0.0, color="0.4", lw=1.0, zorder=0.5)
@@ -579,8 +580,8 @@ def _frame(axes: Axes, xlim: tuple[float, float], ylim: tuple[float, float]) -> 
 def _locus_curves(factors: FloatArray, branches: AnyArray, samples: LoopSamples) -> Curves:
     """Return the closed-loop poles [1/s] over factors on the loop gain, a curve for each branch.
 
-    `factors`: ``(n,)``. `branches`: poles ``(n, b)``. `samples`: the loop with its modes; a branch
-    that starts at a mode has its name.
+    `factors`, `branches`: n factors, and b poles at each, ``(n, b)``. `samples`: the loop with its
+    modes; a branch that starts at a mode has its name.
     """
     names = [f"pole {number}" for number in range(1, branches.shape[-1] + 1)]
     for mode in samples.modes:

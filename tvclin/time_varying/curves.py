@@ -198,11 +198,11 @@ class Curves:
 
     @property
     def _lengths(self) -> FloatArray:
-        """Lengths of the steps [s], ``(n, S)``."""
+        """Lengths [s] of the S steps of n winds, ``(n, S)``."""
         return np.asarray(self.times[..., 2] - self.times[..., 0])
 
     def _largest_demand(self, sign: float | None) -> FloatArray:
-        """Return an upper bound of the demand in each step [rad], ``(n, S)``.
+        """Return an upper bound of the demand of n winds in each of S steps [rad], ``(n, S)``.
 
         The demand is the limit sufficient when held from then on, a cubic by end values and slopes.
         `sign`: sign of the demand that counts; with None its size counts.
@@ -251,8 +251,8 @@ class Curves:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the limit [rad] and the time [s] of the exit of a dead band, with any demand.
 
-        `demand`: at begin, middle and end of steps [rad], ``(n, S, 3)``. `slope`: of the demand at
-        begin and end [rad/s], ``(n, S, 2)``. `dead_band`: K, above zero. Where trim stays within
+        `demand`: of n winds at begin, middle and end of S steps [rad], ``(n, S, 3)``. `slope`: its
+        slope at begin and end [rad/s], ``(n, S, 2)``. `dead_band`: K, above zero. Where trim is in
         the dead band, the limit is the largest trim over K, at the time of the largest trim. The
         limit is NaN for a wind of two signs.
         """
@@ -337,8 +337,8 @@ def parabola(values: FloatArray, u: FloatArray) -> FloatArray:
 def at_substeps(values: FloatArray, parts: int) -> FloatArray:
     """Return values at begin, middle and end of the substeps of steps, ``(n, parts S, 3)``.
 
-    `values`: at the steps, ``(n, S, 3)``, between which they are parabolas. `parts`: number of
-    substeps of each step.
+    `values`: of n winds at begin, middle and end of S steps, ``(n, S, 3)``, a parabola within each
+    step. `parts`: number of substeps of each step.
     """
     u = (np.arange(parts)[:, np.newaxis] + [0.0, 0.5, 1.0]) / parts
     return parabola(values[:, :, np.newaxis, np.newaxis, :], u).reshape(len(values), -1, 3)

@@ -361,11 +361,12 @@ def has_quick_path(plant: Plant) -> BoolArray:
 
 
 def unstable_end(equations: FloatArray) -> FloatArray:
-    """Return costate and control reach of constant equations [A b w], ``(n, m + 1)``.
+    """Return costate and control reach, its last column, of constant equations, ``(n, m + 1)``.
 
-    `equations`: ``(n, m, m + 2)``. The costate p is the left eigenvector of the fastest real
-    unstable mode, of length one and with a positive component of the attitude rate; the control
-    reach is p.b over the pole, b being the column of the deflection. NaN without such a mode.
+    `equations`: of n vehicles with m states, ``(n, m, m + 2)``. The costate p is the left
+    eigenvector of the fastest real unstable mode, of length one and with a positive component of
+    the attitude rate; the control reach is p.b over the pole, b being the column of the
+    deflection. NaN without such a mode.
     """
     order = equations.shape[-2]
     values, rows = left_eigenvectors(equations[..., :order])  # the fastest first

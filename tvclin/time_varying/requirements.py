@@ -103,7 +103,7 @@ class Motion(Protocol):
         """Return the times [s] that decide on survival in n winds with their `ends` [s]."""
 
     def at_steps(self, times: FloatArray) -> Equations:
-        """Return the equations at times [s] of steps, ``(n, S, 3)``."""
+        """Return the equations at begin, middle and end of S steps [s], `times` ``(n, S, 3)``."""
 
 
 class Encounter(Protocol):
@@ -118,7 +118,7 @@ class Encounter(Protocol):
 
 
 def step_counts(wind: History, motion: Motion) -> FloatArray:
-    """Return the number of steps between breakpoints of winds and motion, ``(n, k)``.
+    """Return the steps of n winds between the k + 1 breakpoints of wind and motion, ``(n, k)``.
 
     `STEP`, a step times the fastest rate, requires it; it is rounded up to one of four numbers in
     each octave, so that winds of similar length have the same. `motion`: equations of a vehicle.
@@ -134,7 +134,7 @@ def step_counts(wind: History, motion: Motion) -> FloatArray:
 
 
 def _breakpoints(wind: History, motion: Motion) -> FloatArray:
-    """Return breakpoints [s] of winds and motion from each onset on, ``(n, k + 1)``.
+    """Return k + 1 breakpoints [s] of each of n winds and the motion, from its onset on.
 
     The last one is the time at which the flight is judged, the end of the wind or later. `motion`:
     equations of the vehicles over time. Breakpoints outside are moved to the nearer end.
@@ -149,7 +149,7 @@ def _breakpoints(wind: History, motion: Motion) -> FloatArray:
 
 
 def step_times(wind: History, motion: Motion, parts: float = 1) -> FloatArray:
-    """Return times [s] at begin, middle and end of the steps over winds, ``(n, S, 3)``.
+    """Return times [s] at begin, middle and end of S steps over each of n winds, ``(n, S, 3)``.
 
     Breakpoints of winds and motion are ends of steps, which between them are even. `parts`: number
     of substeps of each step, at least 1/4. `InputError` where a wind takes too many steps.
@@ -191,9 +191,9 @@ def encountered_at_steps(
 ) -> tuple[FloatArray, ...]:
     """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
 
-    q/q_n is the dynamic pressure over the nominal one. `motion`: its breakpoints and fastest rate
-    set the steps. `encountered`: winds, or a sequence of winds with equally many steps. `parts`:
-    substeps of each step. A wind that jumps at the end of a step has its value before the jump.
+    Of n winds at begin, middle and end of S steps; q_n is the nominal q. `motion`: its breakpoints
+    and fastest rate set the steps. `encountered`: winds, or a sequence of winds with equally many
+    steps. `parts`: substeps of each step. A wind that jumps as a step ends has its value before it.
     """
     if isinstance(encountered, Sequence):
         winds = [encountered_at_steps(motion, wind, parts) for wind in encountered]
@@ -526,11 +526,11 @@ class SteppedWinds:
         return marches.VaryingSteps(*arrays), end, onset
 
     def curves(self) -> Curves:
-        """Return trim and demand [rad] of the winds over their steps, ``(n, S, 3)`` each.
+        """Return trim and demand [rad] of n winds over their S steps, ``(n, S, 3)`` each.
 
-        The demand is the deflection limit that is sufficient when it is held from then on. Its
-        slope is at begin and end of each step, and the path is the states beyond attitude and rate
-        under trim at the ends of steps.
+        They are at begin, middle and end. The demand is the deflection limit that is sufficient
+        when it is held from then on. Its slope is at begin and end of each step, and the path is
+        the states beyond attitude and rate under trim at the ends of steps.
         """
         cases, steps, _ = shape = self.wind.shape
         order = self.equations.nominal.shape[-2]  # states, two of which are attitude and rate

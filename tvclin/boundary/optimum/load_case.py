@@ -186,17 +186,18 @@ class LoadCase:
 
     @cached_property
     def _modes(self) -> tuple[AnyArray, AnyArray, int]:
-        """Fields `poles` [1/s] and `shares`, ``(k,)`` each, and the number of unstable modes.
+        """Poles of k modes [1/s], coefficients of the modes in the load, number of unstable modes.
 
-        Stable modes that are not seen in the load are omitted, and the lower pole of each pair.
+        ``(k,)``, ``(k,)`` and a number. Stable modes that are not seen in the load are omitted, and
+        the lower pole of each pair. A mode contributes its coefficient times its state z to the
+        load [rad], with z' = s z + |s| delta; a pair the real part of that.
         """
         A, B, C, _ = self.plant.matrices()
         poles, right = np.linalg.eig(A)
         order = np.argsort(-poles.real, kind="stable")  # unstable modes first
         poles, right = poles[order].astype(complex), right[:, order]
         driven = np.linalg.solve(right, B[:, 0])  # x = right z, so z' = s z + driven delta
-        # The angle of attack is the last output, C[-1] right z. With z scaled to z' = s z + |s|
-        # delta, see `sizes`, its coefficient is:
+        # The angle of attack is the last output, C[-1] right z; with z scaled by |s|/driven:
         share = (C[-1] @ right) * driven / np.where(poles == 0.0, 1.0, np.abs(poles))
         unstable = np.arange(poles.size) < unstable_poles(self.plant).size
         seen = np.abs(share) > _NEGLIGIBLE_SHARE * np.abs(share).max()

@@ -310,7 +310,7 @@ class LawInPlanes:
 
     @cached_property
     def shape(self) -> LimitShape:
-        """Limit shape, of unit limit."""
+        """Limit shape for a unit limit: the nozzle's, or without `radial` a rectangle within it."""
         limit_shape = limit_shape_of(self.limit_shape).inside
         return limit_shape if self.radial else limit_shape.each_plane()
 

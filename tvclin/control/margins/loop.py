@@ -229,11 +229,11 @@ class Loop:
         return analyse_loops(self.form)
 
     def s_to_w(self, s: AnyArray) -> AnyArray:
-        """Return the variable w of L at values s [1/s], ``(k, m)``: s itself, unless sampled."""
+        """Return the variable w of L at values s [1/s], in their shape: s, unless sampled."""
         return s
 
     def w_to_s(self, w: AnyArray) -> AnyArray:
-        """Return s [1/s] at values w of the variable of L, ``(k, m)``: w itself, unless sampled."""
+        """Return s [1/s] at values w of the variable of L, in their shape: w, unless sampled."""
         return w
 
     def max_frequency(self) -> FloatArray:
@@ -241,7 +241,7 @@ class Loop:
         return np.full((self.form.delay.size, 1), np.inf)
 
     def aliases(self, omega: FloatArray) -> FloatArray:
-        """Return NaN for frequencies `omega` ``(k, m)``: only a sampled loop has aliases."""
+        """Return NaN in the shape of the frequencies `omega`: only a sampled loop has aliases."""
         return np.full(np.shape(omega), np.nan)
 
     def take(self, index: Any) -> Loop:
@@ -476,7 +476,7 @@ class SampledLoop(Loop):
         return high
 
     def s_to_w(self, s: AnyArray) -> AnyArray:
-        """Return w = (2/h) tanh(s h/2) of `s` ``(k, m)`` [1/s], h being the sample period [s]."""
+        """Return w = (2/h) tanh(s h/2) [1/s], ``(k, m)``, of k loops with sample periods h [s]."""
         half = 0.5 * self.period.reshape(-1, 1)
         return np.tanh(s * half) / half
 
@@ -493,7 +493,10 @@ class SampledLoop(Loop):
         return np.pi / self.period.reshape(-1, 1)
 
     def aliases(self, omega: FloatArray) -> FloatArray:
-        """Return the alias [rad/s] of `omega` ``(k, m)`` [rad/s] above half the rate, else NaN."""
+        """Return the alias [rad/s] of `omega` [rad/s] above half the sample rate, else NaN.
+
+        Of k loops at m frequencies each, ``(k, m)``.
+        """
         rate = 2.0 * np.pi / self.period.reshape(-1, 1)
         folded = np.abs(omega - rate * np.round(omega / rate))
         return np.where(omega > 0.5 * rate, folded, np.nan)

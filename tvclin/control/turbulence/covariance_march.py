@@ -122,7 +122,8 @@ class VaryingLoop:
     def _slopes(self, values: FloatArray) -> FloatArray:
         """Return the derivatives [1/s] of a function of time at the nodes, ``(nodes, ...)``.
 
-        `values`: its values at the nodes, ``(nodes, ...)``.
+        They are the derivatives of its interpolating polynomial in each interval. `values`: its
+        values at the nodes, ``(nodes, ...)``.
         """
         shape = (len(self._starts), len(_POINTS), *values.shape[1:])  # interval, node of it
         slopes = np.tensordot(values.reshape(shape), _DERIVATIVE, axes=(1, 1))

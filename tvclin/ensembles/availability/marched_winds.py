@@ -235,12 +235,12 @@ class PlaneMarch:
     def _gust_speed(
         self, sign: float, additions: Additions, calm: BoolArray, angle: FloatArray, at: FloatArray
     ) -> FloatArray:
-        """Return speeds [m/s] of a gust at times `at` [s], ``(n, k)``; zero in a calm.
+        """Return speeds [m/s] of the gust of n winds at k times `at` [s], ``(n, k)``.
 
         A gust specified by its speed has this speed at its peak, and its shape elsewhere; a gust
         specified by its angle is the wind that has the angle at each time. `sign`: sign of the
-        gust. `additions`: the gust. `calm`: whether a wind is without gust, ``(n,)``. `angle`:
-        angles of the gust [rad] at the times, without the sign.
+        gust. `additions`: the gust. `calm`: whether the speed of a wind's gust is zero, ``(n,)``.
+        `angle`: angles of the gust [rad] at the times, without the sign.
         """
         gust, speed = additions.gust, additions.gust_speed
         if gust is not None and speed is not None:

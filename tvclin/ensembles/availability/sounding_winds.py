@@ -399,7 +399,7 @@ class SoundingWinds:
         return np.asarray(outside | (self.interpolated(edge, height) > 0.5))
 
     def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
-        """Return the heights [m] of levels and of rows of the flight, ascending, ``(n, k)``.
+        """Return k heights [m] for each of n soundings: of its levels, and of rows of the flight.
 
         `path`: path of the flight. The heights are from the lowest to the highest level (`bottom`,
         `top`). With `strong`, a strong wind beyond them, they are along the entire flight, with two
@@ -418,8 +418,9 @@ class SoundingWinds:
         return np.sort(np.clip(np.concatenate([levels, rows], axis=1), low, high), axis=1)
 
     def interpolated(self, wind: FloatArray, height: FloatArray) -> FloatArray:
-        """Return winds [m/s] at heights [m], ``(n, k)``; beyond the levels they are constant.
+        """Return winds [m/s] at k heights [m] of each of n soundings, ``(n, k)``.
 
+        Beyond the levels they are constant.
         `wind`: winds at the levels of all soundings, in the order of `height` of this record. Each
         sounding is shifted above the previous, so that one call of `np.interp` serves all.
         """

@@ -408,7 +408,7 @@ class Timing(NamedTuple):
 
     @property
     def short(self) -> FloatArray:
-        """Lengths of the substeps of each part of a sample [s], ``(p, parts)``."""
+        """Lengths [s] of the substeps of each part of a sample of p vehicles, ``(p, parts)``."""
         return self.lengths[:, 1:] / self.substeps
 
     def steps(self, joint: FloatArray, fine: FloatArray, ramp: FloatArray) -> Steps:

@@ -218,9 +218,9 @@ class Stages:
 
     @cached_property
     def _pieces(self) -> tuple[FloatArray, FloatArray]:
-        """Breakpoints [s] ``(w, k)`` and polynomials ``(w, k, terms)`` of all winds.
+        """Breakpoints [s] ``(w, k)`` and polynomials ``(w, k, terms)`` of all w winds.
 
-        Winds with fewer breakpoints have infinite ones at the end.
+        Winds with fewer than k breakpoints have infinite ones at the end.
         """
         # breakpoints and polynomials of the winds of each flight
         by_flight = [polynomial_pieces(wind.pieces) for wind in self.winds]

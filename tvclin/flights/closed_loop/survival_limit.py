@@ -154,7 +154,10 @@ def limits_above_losses(
     scan = span * np.linspace(0.0, 1.0, count + 1)[:, np.newaxis]
 
     def logarithm_lost(x: FloatArray) -> BoolArray:
-        """Return whether the values `low` e^x ``(k, n)`` are lost; those above `high` are not."""
+        """Return whether flights with the values `low` e^x are lost, in the shape of `x`.
+
+        Values above `high` count as survived.
+        """
         return lost(low * np.exp(np.minimum(x, span))) & (x <= span)
 
     last = fine / LAST_PARTS  # the last step

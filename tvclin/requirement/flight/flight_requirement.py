@@ -350,8 +350,8 @@ class FlightMode:
         """Return matrices M with (p, R) at the begin of a step = (p, R) at its end times M.
 
         p is the costate of the unstable component p.x, R the control reach, the effect on it of a
-        unit deflection from then on. M ``(k, m + 1, m + 1)`` is exact to fourth order, by the
-        classical rule of Runge and Kutta, backwards. `begin`, `end`: times [s], ``(k,)``.
+        unit deflection from then on. M of k steps, ``(k, m + 1, m + 1)``, is exact to fourth order,
+        by the classical rule of Runge and Kutta, backwards. `begin`, `end`: times [s], ``(k,)``.
         """
         h = (end - begin)[..., np.newaxis, np.newaxis]
         times = np.stack([begin, 0.5 * (begin + end), end])

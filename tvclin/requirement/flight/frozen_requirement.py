@@ -87,10 +87,10 @@ def _required_together(
     two_sided: Sequence[History | None],
     cases: list[int],
 ) -> dict[int, tuple[Any, list[str]]]:
-    """Return required deflections [rad] ``(k,)`` and statuses of some winds, by their index.
+    """Return required deflections [rad], ``(k,)``, and statuses of some winds, by their index.
 
-    `plants`: batch ``(n,)``, frozen, of `winds` with the same number of pieces. `dead_bands`: K,
-    ``(k,)``. `two_sided`: of a wind reduced to angles of one sign the entire wind, or None; for
+    `plants`: frozen, one for each of n `winds` with the same number of pieces. `dead_bands`: k
+    values of K. `two_sided`: of a wind reduced to angles of one sign the entire wind, or None; for
     none of the cases or all. `cases`: indices of the winds. NaN, and the message, where
     `InputError` is raised: a batch with a refused wind is computed again, wind by wind.
     """

@@ -480,7 +480,7 @@ def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatAr
 def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list[str]:
     """Return a message where dead bands are defined only with frozen parameters.
 
-    `required`: each requirement [rad], ``(n, m)``. `bands`: dead bands K, ``(k,)``.
+    `required`: each requirement [rad] at n flight times in m winds. `bands`: dead bands K.
     """
     for K in bands:
         frozen, along = (required[Requirement(dead_band=K, varying=x)] for x in (False, True))

@@ -29,10 +29,11 @@ STEADY = 0.1
 
 
 def beyond_single_pole(slow_mode: FloatArray) -> BoolArray:
-    """Return whether the slow mode of the flight path sets the required deflection, ``(n, m)``.
+    """Return whether the slow mode of the flight path sets the required deflection.
 
     `slow_mode`: ratio of the deflections that the slow and the fast mode demand, eq (C8) of the
-    report; negative where the wind drives them in opposite directions. NaN gives False.
+    report, by flight time and wind, ``(n, m)``; negative where the wind drives them in opposite
+    directions. NaN gives False.
     """
     return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
 
@@ -139,7 +140,7 @@ class Sizing(Tabled):
     @property
     @derived(card=False, document=False)
     def pitch_omitted_fraction(self) -> dict[Requirement, FloatArray]:
-        """Fraction of each requirement that is omitted in pitch alone, ``(n, m)``.
+        """Fraction of the requirement that is omitted in pitch alone, by flight time and wind.
 
         With 0.4 a limit for the pitch plane alone would be 40 percent too small. Empty for a single
         plane.
@@ -185,7 +186,7 @@ class Sizing(Tabled):
     @property
     @derived(card=False)
     def beyond_single_pole(self) -> BoolArray:
-        """Whether the wind is beyond the single-pole theory, ``(n, m)``."""
+        """Whether m winds are beyond the single-pole theory at n flight times, ``(n, m)``."""
         return beyond_single_pole(self.slow_mode)
 
     @property
@@ -452,7 +453,7 @@ def slower_modes_message(times: FloatArray, raised: FloatArray) -> list[str]:
     """Return a message on flight times [s] at which slower unstable modes raise the minimum.
 
     They count as those of the vehicle when the wind ends, while the fastest mode follows the
-    flight. `raised`: whether they do by more than 5 percent, ``(n, m)``. Empty without such a time.
+    flight. `raised`: whether they do by more than 5 percent, by time and wind. Empty without any.
     """
     at = times[np.any(raised, axis=1)].tolist()
     if not at:
