@@ -53,6 +53,22 @@ def test_the_inertia_is_straight_between_its_times_and_held_beyond() -> None:
     assert any("given at 2 times from 1 to 3 s" in note for note in result.notes)
 
 
+def test_a_unit_behind_the_name_of_a_column_is_its_unit(tmp_path) -> None:
+    """The longest one: the column of the velocity, V_m_per_s, is not in seconds."""
+    table = (FOLDER / "table.csv").read_text()
+    for given, other in {"t (s)": "t_s", "T (kN)": "T_kN", "V (m/s)": "V_m_per_s"}.items():
+        assert given in table
+        table = table.replace(given, other)
+    (tmp_path / "table.csv").write_text(table)
+    others = {"time": "t_s", "thrust": "T_kN", "velocity": "V_m_per_s"}
+    result = tv.ascent.read_table(tmp_path / "table.csv", MAP | others)
+    expected = tv.ascent.read_table(FOLDER / "table.csv", MAP)
+    assert result.span == expected.span
+    for name in FIELDS:
+        one, other = (getattr(schedule.vehicle, name) for schedule in (result, expected))
+        np.testing.assert_array_equal(one, other, err_msg=name)
+
+
 def test_a_map_may_name_the_damping() -> None:
     schedule = tv.ascent.read_table(
         FOLDER / "table.csv", MAP | {"pitch_damping_lbf_ft_s_per_rad": 30.0}
@@ -147,7 +163,7 @@ def test_pounds_of_force_are_not_read_as_newtons(tmp_path: Path) -> None:
 def test_a_unit_that_is_not_known_is_refused_with_those_that_are(tmp_path, mark, key) -> None:
     path = tmp_path / "flight.csv"
     path.write_text(_with_column(f"h {mark}", 40.0), encoding="utf-8")
-    with pytest.raises(tv.InputError, match="is not known; .*m, ft, in, mm, cm, km") as error:
+    with pytest.raises(tv.InputError, match="is not known; .*m, km, ft, in, mm, cm") as error:
         tv.ascent.read_table(path, MAP | {key: f"h {mark}"})
     assert "\n" not in str(error.value)
     assert f"h {mark}" in str(error.value)

@@ -283,7 +283,10 @@ def test_slopes_of_components_that_do_not_add_up_are_refused(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("normal_force_slope_N_per_rad", "normal_force_slope", "unit of the column 'N' is not"),
+        (
+            *("normal_force_slope_N_per_rad", "normal_force_slope"),
+            "unit of the column 'N' is not known; write our name .*, normal_force_slope_N_per_r",
+        ),
         ('"T (kN)"', '"F (kN)"', r"no column 'F \(kN\)', which columns has for thrust; it has"),
         ('thrust = "T', 'thrust_lbf = "T', r"T \(kN\) is not in the unit of thrust_lbf; write"),
         ("attitude_deg", "attitude", "attitude is a number without a unit; write attitude_rad"),

@@ -23,7 +23,7 @@ _UNMAPPED = {"control_force_slope", *DAMPING_QUANTITIES} - {"pitch_damping"}
 QUANTITIES = {
     **{name: kind for name, kind in VEHICLE_TABLE.quantities.items() if name not in _UNMAPPED},
     **dict.fromkeys(("pressure_station", "gravity_station", "gimbal_station"), "length"),
-    **{"angle_of_attack": "angle", "altitude": "length", "nominal_deflection": "angle"},
+    **{"angle_of_attack": "angle", "altitude": "altitude", "nominal_deflection": "angle"},
 }
 """Dimensions of the quantities of a map: keys of vehicle files, and factors of arms and forces."""
 _FACTORS = {
@@ -55,10 +55,10 @@ def read_table(
         A text with a line of column names, separated by commas, semicolons, tabs or spaces.
     columns : dict of str to str or float
         For each of our names the name of the column, or a number that does not change. Our name
-        carries a unit as in vehicle files (`weight_kN`), or none where the column's name has one in
-        parentheses: ``{"weight": "Gross weight (lbf)"}``. Besides the names of vehicle files there
-        are mass, gravity_station, pressure_station and gimbal_station (from the nose tip aft),
-        angle_of_attack, altitude and nominal_deflection.
+        carries a unit as in vehicle files (`weight_kN`), or none where the column's name has one,
+        in parentheses or behind it: ``{"weight": "Gross weight (lbf)", "time": "t_s"}``. Besides
+        the names of vehicle files there are mass, gravity_station, pressure_station and
+        gimbal_station (from the nose tip aft), angle_of_attack, altitude and nominal_deflection.
     start, stop : float, optional
         Earliest and latest time [s], such as the burn of one stage; by default the first burn.
     max_rows : int
@@ -230,6 +230,14 @@ def _column(sheet: Sheet, name: str, dimension: str, entry: MapEntry) -> Column:
             f"{sheet.text.source}: {heading.text} is a coefficient and not its slope over the angle"
             " of attack; give a column of the slope, or a number"
         )
+    if factor is None and heading.unit is None:
+        factor = _unit_behind(heading.text, dimension)
+    if factor is None and heading.unit is None and "" not in WRITTEN[dimension]:
+        ours = FileTable("[columns]", {name: dimension}).spelled(name)
+        raise InputError(
+            f"{sheet.text.source}: the unit of the column {shown(heading.text)} is not known; write"
+            f" our name with its unit in [columns], {ours}"
+        )
     if factor is None:
         return sheet.numbers(heading, dimension)
     units = WRITTEN[dimension]
@@ -251,6 +259,15 @@ def _column(sheet: Sheet, name: str, dimension: str, entry: MapEntry) -> Column:
     # read as bare numbers, so that the unit of the key alone converts them
     values = sheet.numbers(replace(heading, unit=""), "number").values
     return Column(values * factor, f"column {heading.text}, read as {key}")
+
+
+def _unit_behind(name: str, dimension: str) -> float | None:
+    """Return the factor to SI of the unit behind the `name` of a column, as in attitude_deg.
+
+    `dimension`: kind of the unit. None without one.
+    """
+    units = [unit for unit in UNITS[dimension] if unit and name.endswith(f"_{unit}")]
+    return UNITS[dimension][max(units, key=len)] if units else None
 
 
 def _is_coefficient(heading: Heading) -> bool:
