@@ -353,8 +353,8 @@ def rate_trade_off(
     -----
     Where other unstable poles contribute, such as the flight path's after long winds,
     the limits are the same as in `optimum_with_rate_limit`. Without a forecast the bound belongs
-    to a state that must be recoverable after a stop and after the remaining wind, y* of
-    `forecast_free_limit` in the place of d0.
+    to a state that must be recoverable after a stop and after the remaining wind: a ramp must
+    have the effect of the constant deflection y*, the bound of `forecast_free_limit`.
 
     Examples
     --------
@@ -489,9 +489,10 @@ class _Case:
         return float(ramped_deflection(self.fast_deflection, self.pole, rate, self.acceleration))
 
     def no_forecast_limit(self, rate: float) -> float:
-        """Return the lower bound [rad] without a forecast, at a `rate` [rad/s].
+        """Return the lower bound [rad] without a forecast, at a rate limit `rate` [rad/s].
 
-        Zero for a wind that changes its sign, which has none, and for a law with a forecast.
+        It is the end of a ramp with the effect of `law_bound`, constant from the start. Zero for a
+        wind that changes its sign, which has no such bound, and for a law with a forecast.
         """
         return float(ramped_deflection(self.law_bound, self.pole, rate))
 

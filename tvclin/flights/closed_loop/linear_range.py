@@ -35,6 +35,8 @@ def finish_by_modes(f: Flights, batch: Batch) -> None:
     after their wind, and whose modes decay within the limits: they survive, and end there. `f`:
     arrays of the flights at their starts, changed in place. `batch`: the flights.
     """
+    # numbers of samples after the wind: until a flight is undecided, and until its modes decide,
+    # at the next sample at which flights are judged
     waiting, pause = f.cases.waiting.copy(), _SETTLING_TIMES * f.cases.settling
     pause = -(-pause // JUDGED_SAMPLES) * JUDGED_SAMPLES
     slow = _has_linear_law(f, batch) & (f.cases.finish == NEVER) & (pause < waiting)
@@ -102,12 +104,13 @@ def _remains_linear(
     if np.abs(z).max() > 1.0 - _MIN_DECAY:
         return False
     ended, pending = f.now.ended[i], f.now.commands.shape[1]
-    # the commands that have not arrived yet, latest first, from their ring
+    # the commands that have not arrived yet, latest first: that of sample k is at k mod `pending`
     late = f.now.commands[i][(ended - 1 - np.arange(pending - 1)) % pending]
     state = np.concatenate([f.now.y[i], f.now.states[i], late])
+    # modes that have not decayed in the samples since the end of the wind
     remaining = np.abs(z) ** (ended - f.cases.ends[i]) > _DECAYED
     modes, z = modes[:, remaining], z[remaining]
-    parts = modes * np.linalg.lstsq(modes, state.astype(complex))[0]
+    parts = modes * np.linalg.lstsq(modes, state.astype(complex))[0]  # of the state, by mode
     amplitudes = np.abs(parts).sum(axis=1)
     error = np.abs(state - parts.sum(axis=1))
     if np.any(error > _RELATIVE_TOLERANCE * amplitudes + _DECAYED * np.abs(state).max()):

@@ -250,7 +250,10 @@ class Stages:
 
     @cached_property
     def steps(self) -> Steps:
-        """Transition matrices over each of the n samples of all flights."""
+        """Transition matrices over each of the n samples of all flights, and over their substeps.
+
+        The matrices of substeps, `fine`, differ only where a part of a sample has several.
+        """
         arrays = self._arrays
         fine = arrays.get("fine", arrays["joint"])
         return self._timing.steps(arrays["joint"], fine, arrays["ramp"])
