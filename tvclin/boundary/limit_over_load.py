@@ -199,7 +199,7 @@ class LoadTradeOff(TradeOff):
         if self.above_lower_bound is False:
             return f"{sufficiency(False)}, below the {WIND_KNOWN}"
         if self.above_lower_bound is None and self.limit is not None:
-            low, high = np.degrees([self._proved, self.lower_bound])  # proved, and attained
+            low, high = np.degrees([self._proved, self.lower_bound])  # proved, of a control
             between = f"between {low:.4g} and {high:.4g}" if high < 90.0 else f"above {low:.4g}"
             return f"{sufficiency(None)}: the lower bound is {between} deg"
         return ""

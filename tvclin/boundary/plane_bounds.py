@@ -585,9 +585,14 @@ def _corrected(
         missing = d - np.real(np.conj(integrals) @ deflections)
         deflections = deflections + np.linalg.lstsq(gram, missing, rcond=None)[0] @ basis
     peak = float(moments.limit_shape.gauge(deflections).max())
-    dual = float(multipliers @ d) / moments.norm(multipliers)
+    lower_bound = float(multipliers @ d) / moments.norm(multipliers)  # l . d/N(l), over `size`
     violation = np.abs(d - np.real(np.conj(integrals) @ deflections))
     residual = float((violation / (np.abs(integrals).sum(axis=1) * peak + np.abs(d))).max())
-    gap = (peak - dual) / peak
-    proof = Certificate(peak * size, dual * size, gap=gap, residual=residual, tail=0.0)
+    proof = Certificate(
+        primal=peak * size,
+        dual=lower_bound * size,
+        gap=(peak - lower_bound) / peak,
+        residual=residual,
+        tail=0.0,
+    )
     return onset + moments.edges[:-1], deflections * size, proof

@@ -59,6 +59,7 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     mass, damping, stiffness = _mass_damping_stiffness(vehicle, structure, rows)
     per_deflection, per_acceleration = _engine_forces(vehicle, structure, rows, mass)
     modes = structure.bending
+    # at the centre of pressure, for a unit of translation, rotation and each mode
     displacements = rows.of(1.0, vehicle.aerodynamic_arm, *(b.pressure_displacement for b in modes))
     slope = rows.of(vehicle.normal_force_slope)[..., :1]  # N with the batch axes, ``(..., 1)``
     # forces per deflection, per its second derivative and per angle of attack

@@ -450,20 +450,19 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     k = np.real(poles) / np.imag(poles)  # decay sigma/omega, with x = omega u
 
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
-        """Return minus a lower bound of the peak for each phi, over omega (1 + k^2), ``(c, m)``.
+        """Return minus the lower bounds of the peak, over omega (1 + k^2), at m phases, ``(c, m)``.
 
-        Of c pairs with poles omega (k + j) [1/s] and `demands` d [rad s] it is
-        |Re(d e^(-j phi))|/(1 + k^2) over the integral of e^(-k x) |cos(x + phi)| over x > 0; the
-        largest bound is the peak. `zero`: first zero x = pi/2 - phi of the cosine [rad], ``(m,)``
-        or ``(c, m)``. `i`: indices of the pairs.
+        `i`: indices of c pairs, with poles omega (k + j) [1/s]. `zero`: first zero of cos(x + phi),
+        x = pi/2 - phi, for each phase phi, ``(m,)`` or ``(c, m)``.
         """
-        toward = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * (zero - 0.5 * np.pi))))
+        minus_phase = zero - 0.5 * np.pi
+        projected = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * minus_phase)))
         # integral of e^(-k x) |cos(x + phi)| over x > 0, times 1 + k^2: up to the zero of the
         # cosine, and from there on a geometric series of half waves
-        ratio = k[i, np.newaxis]
-        series = (1.0 + np.exp(-ratio * np.pi)) / -np.expm1(-ratio * np.pi)
-        norm = np.exp(-ratio * zero) * (1.0 + series) - np.cos(zero) + ratio * np.sin(zero)
-        return -toward / norm
+        decay = k[i, np.newaxis]
+        series = (1.0 + np.exp(-decay * np.pi)) / -np.expm1(-decay * np.pi)
+        norm = np.exp(-decay * zero) * (1.0 + series) - np.cos(zero) + decay * np.sin(zero)
+        return -projected / norm
 
     # Of pairs that are nearly real the bound turns within about 1/k of phi = pi/2, the zero x = 0.
     fine = np.geomspace(1e-8, np.pi, _DIRECTIONS)

@@ -443,11 +443,11 @@ class Stages:
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
         def at_nodes(loops: LinearSystem) -> LinearSystem:
-            """Return the constant system that equals a varying one, for each part of each sample.
+            """Return the constant system that equals a varying one over each part of m samples.
 
-            A batch ``(parts, m)`` for parts of the `lengths` [s]. `loops`: the varying system at
-            each of the `places`, a batch of the `shape`: for all parts first the system at the
-            first Gauss point of the part, then for all parts at the second.
+            A batch ``(parts, m)``, as the `lengths` [s] of the parts. `loops`: the varying system,
+            flat, ``(places m,)``: at the first Gauss points of all parts, at the second ones, and
+            at further times, which are not used here.
             """
             count_of_parts = lengths.size  # in all samples
             first_points = np.arange(count_of_parts)

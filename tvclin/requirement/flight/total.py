@@ -459,10 +459,10 @@ def totals_over_flight(
     turbulence: FlightTurbulence | str | None = None,
     **offsets: float | None,
 ) -> list[DeflectionTotal]:
-    """Return the total at each flight time of a sizing at which it is known, with that time.
+    """Return the total of the required deflection of the worst wind and all that adds to it.
 
-    For a wind that is fixed in flight time it is at the time at which its requirement arises. Same
-    parameters and exceptions as `worst_total`.
+    One at each flight time of a sizing with a known requirement; of a wind that is fixed in flight
+    time, at the time at which that arises. Same parameters and exceptions as `worst_total`.
     """
     errors.instance("sizing", sizing, Sizing, "see size")
     ratio = errors.number("dispersion", dispersion, errors.nonnegative)
