@@ -494,7 +494,7 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
     """Return the points and bounds of `load_trade_off` before any linear program is solved.
 
     They are the minimum deflection without a load limit and, if no rate limit is given, the point
-    (load, peak) of its control. `plant`, `wind`: one each. `ratio`: M of the load alpha + M delta.
+    (load, peak) [rad] of its control. `plant`, `wind`: one each. `ratio`: M of alpha + M delta.
     `rate`: rate limit [rad/s] or infinite; `InputError` where no deflection survives with it.
     """
     # what is no single wind with an onset is refused by `optimum_deflection`

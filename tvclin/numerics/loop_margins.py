@@ -286,7 +286,7 @@ def classical_margins(analysis: LoopAnalysis) -> FloatArray:
 
 
 def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
-    """Return the analysis of a block of loops that fits into memory."""
+    """Return stability, crossovers and closed-loop peaks of the k loops of one block."""
     verdict = stability(loop)
     gain_frequencies = verdict.crossovers
     phases = _remaining_lag(loop, gain_frequencies)
@@ -309,6 +309,7 @@ def _block_analysis(loop: AnyLoop) -> LoopAnalysis:
             peaks=peaks,
         )
     stable = np.flatnonzero(analysis.stable)
+    # into the array that `analysis` holds; peaks of unstable loops stay NaN
     peaks[stable] = _closed_loop_peaks(
         loop.take(stable), omega[stable], *(part[stable] for part in parts)
     )

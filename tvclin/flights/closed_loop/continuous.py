@@ -548,7 +548,8 @@ class ContinuousFlight:
     def _absolute_tolerance(self) -> FloatArray:
         """Absolute tolerance of the solver for each state, in its unit, ``(n,)``.
 
-        It is relative to the peak of the wind, times the scale of a state that is not an angle.
+        A fraction of the wind's peak; of the vehicle's states times `scales`, the magnitude of each
+        that corresponds to an angle of one.
         """
         tolerance = np.full(self.loop.size, _ATOL * abs(float(self.wind.peak)))
         tolerance[: self.loop.order] *= self.loop.equations.scales

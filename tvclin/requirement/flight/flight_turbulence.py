@@ -424,8 +424,8 @@ class _Responses(NamedTuple):
 def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
     """Return standard deviations and responses of a loop in a sounding.
 
-    `wind`: the sounding's wind; its gust is placed at each flight time. The dynamic pressure
-    follows it, unless it is frozen. The first response has the standard deviations too.
+    `wind`: the sounding's wind. One response for each flight time at which its gust is placed, or
+    a single one without a gust. The dynamic pressure follows the wind, unless it is frozen.
     """
     sign = FROZEN if loop.case.sign == FROZEN else None
 
@@ -443,7 +443,7 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
         raise InputError("the gust is not known at any flight time")
     first, *_ = responses
     means = [(0.0, response) for response in responses]  # offset zero: all are in flight time
-    # the first response, as all of them, is of the whole flight
+    # every response is of the whole flight, with the same standard deviations
     return _Responses(covariance=first, means=means, whole=lambda: first)
 
 

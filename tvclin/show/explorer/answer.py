@@ -259,14 +259,15 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
     def in_placed_wind(compute: Cached) -> CachedAnswer:
-        """Return the answer of `compute`, motion or outcome, with the gust at its worst time.
+        """Return the motion or the outcome in the wind with its gust at the worst time.
 
-        Without such a time it is the answer of that search, with the reason in its notes.
+        `compute`: which of both, a function of plan and law. Where that time is not known, the
+        answer has no value, and the reason in its notes.
         """
-        at = placed(gust)
-        if at.value is None:
-            return at
-        return compute(replace(choices.motion_inputs, wind=at.value), choices.law)
+        placed_wind = placed(gust)  # `gust`: plan with what decides on the time; the wind, or None
+        if placed_wind.value is None:
+            return placed_wind
+        return compute(replace(choices.motion_inputs, wind=placed_wind.value), choices.law)
 
     def requirement_step(plan: StudyPlan) -> tuple[Callable[[], CachedAnswer], bool]:
         """Return the step of a plan's requirement, and whether it is slow."""
