@@ -197,7 +197,7 @@ ALL_LAWS = ("--law", "all", "--wind", "triangular")
                     "--set",
                     "gust.peak_deg=20",
                     "--set",
-                    "gust.duration_s=1e4",
+                    "gust.duration_s=2e4",
                     "--varying",
                 ),
                 *("--from", "70", "--to", "71"),
