@@ -152,11 +152,11 @@ class ExitProblem:
     def _run(
         self, function: Any, winds: Any, which: IndexArray, *arrays: Any, longer: int = 1
     ) -> None:
-        """Run a kernel `function`, which writes into `arrays`, over cases.
+        """Run a kernel `function` over n cases, compiled if that is faster.
 
         `winds`: pieces of the winds: knots, coefficients and exponential rates. `which`: index of
-        the wind of each case, ``(n,)``. `longer`: factor on the computing time, which is stated for
-        a trim that is the wind itself, not the filtered wind.
+        the wind of each case, ``(n,)``. `arrays`: its further arguments, ``(n, ...)``, the last of
+        which it writes. `longer`: its time over that without a filter from the wind to trim.
         """
         knots, _, rates = winds
         terms = longer * knots.shape[-1] * rates.shape[-1] * which.size

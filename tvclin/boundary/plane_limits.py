@@ -189,12 +189,12 @@ def _turning_requirement(
 def _requirement_after_trim(
     pair: PlanePair, limit_shape: LimitShape, K: float, literal: bool, minimum: float
 ) -> float:
-    """Return the largest limit [rad] that diverges after trim up to K times it, or `minimum`.
+    """Return the limit L [rad] down to which all survive if the flight trims up to K L at first.
 
-    By L <- max(K L, m(L)) from the largest trim on, m(L) being the minimum over all unstable modes
-    of both planes after trim up to K L; the rectangle of both planes' separate minima is no less,
-    and is tried first. `pair`: plants and wind. `K`: dead band. `literal`: whether its exit is on
-    trim, not on the wind. `minimum`: smallest result [rad].
+    By L <- max(K L, m(L)) from the largest trim on. m(L): minimum limit that survives from then on,
+    for all unstable modes of both planes; or first an upper bound, of a rectangle. A vector's
+    gauge: the limit of the shape whose edge it is on. `pair`: plants and wind. `K`: dead band.
+    `literal`: whether its exit is on trim, not on the wind. `minimum`: smallest result [rad].
     """
     from scipy.optimize import brentq  # late: it takes 0.3 s to import
 

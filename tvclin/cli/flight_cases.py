@@ -425,11 +425,14 @@ def worst_of(flights: dict[str, Compared]) -> Compared:
     """
 
     def order(name: str) -> tuple[bool, float, float]:
-        """Return whether a flight diverges, its boundary [rad], and largest attitude [rad]."""
+        """Return divergence, flown boundary [rad] and peak attitude [rad] in the `name` wind.
+
+        Compared in this order, the larger is worse. The boundary is zero where it is not known.
+        """
         flown = flights[name]
-        # the first of a pair is the flight's, the second that of the linear theory
-        boundary = 0.0 if flown.boundary is None else flown.boundary[0] or 0.0
-        return flown.flight.survived is not True, boundary, flown.flight.peaks("attitude")[0]
+        flown_boundary, _ = flown.boundary or (None, None)  # of flights, and of linear theory
+        peak_attitude, _ = flown.flight.peaks("attitude")
+        return flown.flight.survived is not True, flown_boundary or 0.0, peak_attitude
 
     worst = max(flights, key=order)
     notes = tuple(

@@ -84,12 +84,12 @@ class AutopilotRequirement:
 def autopilot_requirement(
     case: Case, plant: AnyPlant, autopilot: Autopilot, need: CaseRequirement | None
 ) -> AutopilotRequirement:
-    """Return the autopilot requirement of a case, in its plane alone.
+    """Return the smallest deflection limits with which an autopilot survives, in one plane.
 
-    It is at nominal dynamic pressure, and at the pressure in the wind where this counts (`head`).
-    `plant` and `autopilot` are what flies; `need` is the requirement of the case, None where it has
-    none, as in a measured wind. `InputError` for a law or hardware that cannot be flown, in the
-    same cases as `closed_loop_boundary`.
+    `nominal` at nominal dynamic pressure; `head` at the pressure in the wind, where it counts.
+    `plant` and `autopilot` are what flies; `need` is the required deflection without an autopilot,
+    None where the case has none, as in a measured wind. `InputError` for a law or hardware that
+    cannot be flown, in the same cases as `closed_loop_boundary`.
     """
     nominal = autopilot_boundary(case, plant, autopilot)
     if need is None and not isinstance(case.wind, ShapedWind):

@@ -186,7 +186,8 @@ def heading_requirement(
     `model`: linear model of the vehicle. `limit_shape`: limit in both planes, by default a circle.
     `dead_band`: K, from 0 to 1.
     """
-    peaks = wind.peaks(float(np.asarray(vehicle.attitude)))
+    attitude = float(np.asarray(vehicle.attitude))  # nominal, above the horizontal [rad]
+    peaks = wind.peaks(attitude)  # wind angle in each plane [rad]
     plants = {plane: Plant.from_vehicle(vehicle, model, plane) for plane in PLANES}
     plane_wind = PlaneWind(**{plane: component_in(wind, peaks, plane) for plane in PLANES})
     return two_plane_requirement(plants, plane_wind, limit_shape or CircularShape(), dead_band)

@@ -296,7 +296,10 @@ class Equations:
 
     @property
     def changes_sign(self) -> BoolArray:
-        """Whether the aerodynamic moment mu_alpha changes its sign over the steps, ``(n,)``."""
+        """Whether mu_alpha, in the matrices `nominal`, changes its sign over the steps, ``(n,)``.
+
+        It is the aerodynamic moment per angle of attack over the inertia [1/s^2].
+        """
         return sign_changes(self.nominal)
 
     def of(self, cases: IndexArray) -> Equations:

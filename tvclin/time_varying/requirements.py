@@ -226,11 +226,11 @@ def with_calm_after(
 
 
 def steps_after(equations: Equations) -> IndexArray:
-    """Return the number of steps of flights of the limited law after the wind, ``(n,)``.
+    """Return the number of steps after the wind in flights of trim within a limit, ``(n,)``.
 
-    `equations`: of n cases. The calm lasts some time constants of the unstable pole, in steps of
-    the fastest rate. The number is zero where the flight path is slow beside the attitude (not
-    `quick_path`): there the law returns to equilibrium whenever the limit permits, without flights.
+    `equations`: of n cases. The calm lasts `_CALM_OVER_TIME_CONSTANT` of the unstable pole, in
+    steps of the fastest rate. The number is zero where the flight path is slow beside the attitude
+    (not `quick_path`): there a limit that survives the wind also survives the calm.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         # fastest rate over the unstable pole, at least one; NaN without an unstable pole

@@ -244,7 +244,7 @@ class Window:
         return -np.expm1(-decays * self.end) / decays
 
     def zeros(self, multipliers: FloatArray) -> FloatArray:
-        """Return the times [s] at which the sum lambda . e changes its sign, rising, ``(k,)``.
+        """Return the times [s] at which the sum lambda . e changes its sign, ascending, ``(k,)``.
 
         Of a grid the neighbours of different sign, and dips between neighbours of the same sign,
         are refined. `multipliers`: lambda, ``(n,)``, of the poles' exponentials e.

@@ -138,9 +138,10 @@ class RateProgram:
     def minimum_rate(self) -> float:
         """Return the smallest rate limit [rad/s] at which some deflection survives, or inf.
 
-        The deflection has any peak, and is linear between `nodes`; it survives if its `moments`,
-        integrals with the poles' exponentials, are the demands of `constraints`. The last variable
-        of the program is the rate times the last node [s], over `unit` [rad].
+        The deflection has any peak, and is linear between `nodes`. It survives if its integrals
+        times the exponential of each unstable pole are those that cancel the wind, the demands
+        of `constraints`. The last variable of the program `_RATE`, which is minimised, is the rate
+        times the last node [s], over `unit` [rad].
         """
         result = self._solve(_RATE)
         return np.inf if result is None else float(result.x[-1]) * self.unit / self.nodes[-1]

@@ -35,9 +35,10 @@ _MAX_MODE_COLUMNS = 2
 class WorstMargin(NamedTuple):
     """Margin with the smallest surplus over a sweep.
 
-    `margin`: name of the margin, with its mode and the change of a mode. `value`: in the unit of
-    the criterion; NaN for an unstable loop. `time`: time of flight [s]. `surplus`: distance from
-    the limit. `satisfied`: whether the criterion is satisfied at all times.
+    `margin`: name of the margin, with its mode and `change`. `value`: in the unit of the criterion;
+    NaN for an unstable loop. `time`: time of flight [s]. `surplus`: distance from the limit.
+    `satisfied`: whether the criterion is satisfied at all times. `change`: of a mode, as
+    "first x 0.9"; empty for the nominal loop.
     """
 
     margin: str
@@ -45,6 +46,7 @@ class WorstMargin(NamedTuple):
     time: float
     surplus: float
     satisfied: bool
+    change: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +167,7 @@ class Sweep(Tabled):
         shown = text(number("value", unit_factor(unit) * worst.value, 2, unit))
         of_all = f"(NOT MET at {np.sum(~self.satisfied)} of {count})"
         if np.isnan(worst.surplus):
-            *_, change = worst.margin.split(", ")  # the last part, if a mode is changed
-            shown = "the loop is unstable" + f" with {change}" * (change in self.changes)
+            shown = "the loop is unstable" + f" with {worst.change}" * bool(worst.change)
             return f"{head}, {shown} at {worst.time:.4g} s {of_all}"
         against = f"limit {limit:g} {unit}".rstrip()
         return f"{head}, {worst.margin}: {shown} at {worst.time:.4g} s, {against} {of_all}"
@@ -306,6 +307,7 @@ def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",
         time=float(times[column]),
         surplus=float(surplus[row, column]),
         satisfied=bool(np.all(judged.satisfied)),
+        change=changes[row],
     )
 
 
@@ -425,10 +427,10 @@ def sweep(
 
 
 def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -> BandMargins:
-    """Return the margins by band of loops around `plants`; without bands around rigid plants.
+    """Return the margins of whole loops around `plants`, and in the frequency band of each mode.
 
-    `names`: names of the modes and tanks of the flight; without names there are no bands, and only
-    the margins of the whole loop. `delays`: whether delay margins are computed.
+    Rigid plants have the margins of the whole loop alone. `names`: names of the bending modes and
+    tanks of the flight, empty without any. `delays`: whether delay margins are computed.
     """
     if isinstance(plants, Plant) or not names:
         margins = margins_of(loop.analysis(delays=delays), loop.batch)

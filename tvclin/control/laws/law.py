@@ -228,7 +228,10 @@ class FilteredLaw(Law):
 
     @property
     def states(self) -> tuple[FloatArray, FloatArray]:
-        """F and G of the law's s' = F s + G m, m being measurements; filters have none."""
+        """F and G of s' = F s + G m, s being states of the law without its filters.
+
+        m: measurements. The states of the filters are not in s: samples update them.
+        """
         return self.law.states
 
     @property

@@ -152,7 +152,7 @@ class FlightTurbulence(Shown):
     @property
     @derived()
     def sigmas(self) -> float:
-        """Standard deviations that count on top of the response to a wind."""
+        """Number of standard deviations of the turbulence that are added to the wind's response."""
         return self.request.factor
 
     @property

@@ -38,7 +38,9 @@ def refined_sizing(
     size_at: Callable[[FloatArray], Sizing],
     totals_of: Callable[[Sizing], Mapping[float, float]],
 ) -> Sizing:
-    """Return a sizing with further flight times about the largest totals, in order of time.
+    """Return a sizing with further flight times about the largest required deflections.
+
+    Intervals are halved beside each maximum that a parabola through three times may exceed.
 
     Parameters
     ----------
@@ -47,7 +49,8 @@ def refined_sizing(
     size_at : callable
         From flight times [s] to the sizing there.
     totals_of : callable
-        From a sizing to its totals [rad] by flight time [s], where they are known.
+        From a sizing to its totals by flight time [s], where they are known: required deflections
+        with all that adds to them [rad].
     """
     totals = dict(totals_of(sizing))
     # even times in long intervals at first, then middles of intervals

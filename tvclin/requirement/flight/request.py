@@ -563,8 +563,8 @@ class SizingRequest:
     def ratio(self, case: Case, sizing: Sizing) -> ControllabilityRatio | None:
         """Return the limit of a case over trim and all that adds up, at the worst time of a sizing.
 
-        Gust, thrust offset and gravity offset add to trim, the largest B alpha_w. None without a
-        limit or any known trim.
+        Trim is B times the wind angle, B being the ratio of trim deflection to angle of attack;
+        gust, thrust offset and gravity offset add to it. None without a limit or any known trim.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("sizing", sizing, Sizing, "see sizing()")
