@@ -126,6 +126,7 @@ class TwoPlaneRequirement:
         that the limits of both planes have the ratio of the peaks of the wind.
         """
         peaks = {name: abs(float(getattr(self.wind, name).peak)) for name in PLANES}
+        # the limit whose shape contains the rectangle of both planes' limits
         return float(rectangle(self.limit_shape, peaks["pitch"], peaks["yaw"])) / peaks[plane]
 
     def omitted_fraction(self, plane: str) -> float:

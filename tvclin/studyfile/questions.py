@@ -221,6 +221,7 @@ def _wind(findings: Findings) -> Question:
     `findings`: results of a plan with a limit.
     """
     required, governs = findings.study.required_deflection, findings.study.governs
+    # `unknown`: the reason why the pressure encountered is not known, or empty
     pressure = f" {NOMINAL}" if findings.study.unknown else ""
     whose = f"the ideal trim law requires in this wind{pressure}"
     line: Line = (f"set by {governs}",)

@@ -322,11 +322,11 @@ class LoadProgram:
     def _proof(
         self, weights: FloatArray, prices: FloatArray, rate_prices: FloatArray | None
     ) -> tuple[float, float]:
-        """Return `bound` and `slope` of a `Solution`, by duality from the prices of its program.
+        """Return b and s: no deflection has a peak below b - s load [rad], with its largest load.
 
-        The bound is (weighted load of the reference - A)/N with A and N of `LoadWeights.proof`, the
-        slope the sum of the weights' sizes over N. `weights`: prices of the load rows, at the
-        nodes; where the deflection itself adds to the load (M), at both ends of each cell.
+        By duality: a sum of loads with any `weights` is at most their sizes times the largest load,
+        and at least the sum for the reference deflection, less A, less N times the peak (`proof`).
+        `weights`: multipliers of the load rows at the nodes; with M, of both ends of each cell.
         `prices`: of the unstable modes. `rate_prices`: of the rate limit by cell, or None.
         """
         case, n = self.case, self.widths.size
@@ -353,11 +353,10 @@ class LoadProgram:
             density_ends=density_ends,
             prices=_complex(case, prices),
         )
-        # parts of the weighted load of the reference and the rate limit; weight of the peak
-        used, norm = weighed.proof(self.reference, rate_prices)
-        if norm == 0.0:
+        A, N = weighed.proof(self.reference, rate_prices)
+        if N == 0.0:
             return 0.0, 0.0
-        return (weighted_load - used) / norm, float(np.abs(weights).sum()) / norm
+        return (weighted_load - A) / N, float(np.abs(weights).sum()) / N
 
     def _finer(self, ends: FloatArray, inside: FloatArray, bound: float) -> FloatArray:
         """Return the nodes [s], with further ones in cells next to which a limit begins to bind.

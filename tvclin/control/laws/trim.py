@@ -75,6 +75,7 @@ class TrimLaw(LinearLaw):
             Rate limit r of the nozzle [rad/s].
         """
         size = abs(number("peak", peak, small_angle("a wind angle"), "rad"))
+        # r/(p B) [rad]
         available = rate_limit_angle(plant, law_rate_limit("rate_limit", rate_limit, "rad/s"))
         return cls(plant, gain=min(cls.gain, available / size) if size else cls.gain)
 

@@ -103,8 +103,9 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
     def lost(values: FloatArray) -> BoolArray:
         """Return whether flights with limits ``(n, 1)`` diverge, and add them to `tried`, `status`.
 
-        Limits above the `top` of the scan are not flown, and count as surviving; so does the top
-        after the first scan, which has flown it.
+        `survives` gives the status of flights with limits ``(n,)``. Limits above the `top` of the
+        scan are not flown, and count as surviving; so does the top after the first scan, which has
+        flown it.
         """
         column, diverged = values[:, 0], np.zeros(values.shape, np.bool_)
         new = column < top if tried else column <= top  # the first scan includes the top
