@@ -105,6 +105,7 @@ def test_an_unknown_type_of_numbers_is_refused(tmp_path: Path, kind: int) -> Non
         tv.ascent.read_log(file)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("count", "most", "words"),
     [

@@ -33,6 +33,7 @@ def test_a_csv_has_a_line_for_each_place_with_units_in_its_headings() -> None:
     assert float(rows[5][2]) == np.degrees(NEEDS[1, 2])
 
 
+@pytest.mark.thorough
 def test_a_dataset_has_the_same_numbers_in_si_units() -> None:
     pytest.importorskip("xarray")
     data = TABLE.dataset()

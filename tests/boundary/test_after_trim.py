@@ -115,6 +115,7 @@ def test_a_long_wind_needs_more_than_the_minimum_from_its_onset(name, dead_band,
     assert not tv.is_sufficient(plant, wind, np.radians(1.01 * least), dead_band)
 
 
+@pytest.mark.thorough
 def test_a_slow_vehicle_needs_half_as_much_again():
     """Poles of 0.155 and 0.038 1/s, 240 s."""
     c = tv.Coefficients(mu_alpha=0.0262, mu_delta=0.3, C1=0.034, C2=-6.0e-4, b1=0.02, b2=0.02)
@@ -130,6 +131,7 @@ def test_a_slow_vehicle_needs_half_as_much_again():
     assert result.governs == Reason.AFTER_TRIM
 
 
+@pytest.mark.thorough
 def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
     # With this limit over K trim is never limited, and yet leaves a slow mode that needs more.
     path = {"C1": 0.093146, "C2": 0.0470317, "b1": -0.01482715, "b2": 0.0191822, "q": 0.000488467}
@@ -145,6 +147,7 @@ def test_a_dead_band_that_is_not_left_is_free_from_the_end_of_the_wind_on():
     held_to(plant, wind, 0.75)
 
 
+@pytest.mark.thorough
 def test_trim_leaves_its_dead_band_to_the_other_side_too():
     """A wind that falls fast takes the trim of this drifting vehicle below zero."""
     plant, wind, dead_band = drawn(np.random.default_rng(500246))

@@ -87,6 +87,7 @@ def drift_cases(count, seed):
     return tau_beta, dead_band, beta, b1, b2
 
 
+@pytest.mark.thorough
 def test_eq_18_as_printed_to_eleven_digits():
     arguments = drift_cases(2000, 3)
     solution = solve_triangular_with_drift(*arguments)

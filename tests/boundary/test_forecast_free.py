@@ -279,6 +279,7 @@ def test_plants_for_which_it_is_not_defined():
         tv.forecast_free_limit(COEFFICIENTS, wind)
 
 
+@pytest.mark.thorough
 def test_a_batch_gives_what_each_case_gives_alone():
     vehicle = tv.load_vehicle("configuration-i")
     slow, durations = np.array([380.0, 480.0, 538.81, 600.0]), [4.0, 9.0, 20.0, 50.0]

@@ -146,6 +146,7 @@ def test_linear_programs_enclose_the_limit_with_round_stops(dead):
         assert result <= above * (1.0 + 1e-9)
 
 
+@pytest.mark.thorough
 def test_clusters_with_engines_that_are_centred():
     three = cluster([0])
     result = three.gauge(unit(np.array([0.0, 45.0, 90.0])))

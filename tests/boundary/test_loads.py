@@ -107,6 +107,7 @@ def program(tau_beta, load, h, mu=0.0, rho=np.inf):
     return result.fun
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("options", "load", "tolerance"),
     usual(
@@ -266,6 +267,7 @@ def test_the_nozzle_s_point_is_judged_in_both_directions():
     assert load_trade_off(plant, wind, limit=0.5 * unit, load=0.6 * PEAK).above_lower_bound is True
 
 
+@pytest.mark.thorough
 def test_a_wind_that_turns_has_no_bound_and_a_stable_vehicle_bears_its_load():
     wind = triangle(FIXED, 4.0)
     front = load_trade_off(FIXED, wind - 0.5 * wind.shift(8.0), [0.05])

@@ -135,6 +135,7 @@ def three_poles_with_peak_one(count):
     return poles, demands
 
 
+@pytest.mark.thorough
 def test_a_peak_is_proved_sufficient_at_or_above_the_minimum_alone_and_soon_above_it():
     poles, demands = three_poles_with_peak_one(80)
     np.testing.assert_allclose(peaks_for_demands(poles[:4], demands[:4]), 1.0, rtol=1e-9)

@@ -145,6 +145,7 @@ def test_it_is_linear_in_the_wind_and_odd(factor, tau_beta, model):
     np.testing.assert_allclose(other.switch_times[:2], best.switch_times[:2], rtol=1e-7)
 
 
+@pytest.mark.thorough
 @settings(max_examples=30, deadline=None)
 @given(dt=st.floats(-20.0, 20.0), tau_beta=st.floats(0.5, 40.0), model=st.sampled_from(MODELS))
 def test_it_moves_with_the_wind(dt, tau_beta, model):
@@ -167,6 +168,7 @@ def test_it_scales_with_time(factor, ratio, y):
     assert times[1] == pytest.approx(times[0], rel=1e-8, abs=1e-12)
 
 
+@pytest.mark.thorough
 @settings(max_examples=30, deadline=None)
 @given(
     slow=st.floats(0.01, 1.0),

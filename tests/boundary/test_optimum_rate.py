@@ -113,6 +113,7 @@ def grid_peak(plant, wind, rate, count=1200):
     return program.x[-1] * unit
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("tau_beta", "rate"), usual([(4.0, 4e-3), (17.0, 2e-3), (20.0, 8e-4)], 1))
 def test_two_poles_against_another_program(tau_beta, rate):
     plant = configuration("drift-exact")
@@ -131,6 +132,7 @@ def test_more_steps_change_little_and_the_answer_settles():
     np.testing.assert_allclose(peaks, peaks[-1], rtol=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact", "drift-and-speed"], 1))
 def test_large_rates_lead_to_the_unlimited_optimum(model):
     plant = configuration(model)

@@ -134,6 +134,7 @@ def test_trim_then_the_vector_held_leaves_no_fast_mode_in_either_plane(model, sw
         assert abs(left) <= 1e-12 * abs(size)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "stop", usual([CircularShape(), EllipticShape(1.0, 0.5), SquareShape(0.3), KITE], 1)
 )

@@ -130,6 +130,7 @@ def test_each_row_of_a_sizing_has_a_number_or_a_reason(
         assert result["verdict"]["sufficient"] is not True
 
 
+@pytest.mark.thorough
 @by_turns("schedule, cut", SCHEDULES, ["as it is", "its first tenth"], each=11)
 def test_each_sounding_is_judged_or_said_to_be_unknown(
     sources: dict[str, str], schedule: str, cut: str
@@ -154,6 +155,7 @@ def test_the_page_of_a_flight_is_written(
     assert ("Required deflection NOT KNOWN" in page.read_text()) == (schedule != "openrocket")
 
 
+@pytest.mark.thorough
 def test_a_flight_that_is_known_nowhere_is_not_known_to_be_covered(
     sources: dict[str, str],
 ) -> None:

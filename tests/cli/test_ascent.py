@@ -180,6 +180,7 @@ def test_soundings_stand_beside_a_pulse_that_is_asked_for_and_gusts_on_both() ->
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "given",
     [
@@ -383,6 +384,7 @@ def test_a_gust_that_cannot_be_is_refused() -> None:
         assert (result.exit_code, words in result.output) == (2, True), result.output
 
 
+@pytest.mark.thorough
 def test_in_soundings_alone_the_vehicle_counts_that_met_them() -> None:
     """Frozen at 43 s the vehicle needs more, which never encountered the jet there."""
     given = ("ascent", "configuration-i", *FLOWN, "--dead-band", "1", "--from", "43", "--to", "63")
@@ -525,6 +527,7 @@ def test_both_planes_need_a_direction() -> None:
         assert said in " ".join(result.output.split())
 
 
+@pytest.mark.thorough
 def test_a_flight_in_a_pulse_whose_pressure_is_not_known_is_not_known() -> None:
     """It lasts too long to be followed; nominal dynamic pressure alone refuses a limit."""
     arguments = ["ascent", "configuration-i", *FAST, "--duration", "6000", "--limit-deg"]

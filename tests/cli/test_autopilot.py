@@ -107,6 +107,7 @@ def poles_shown(*arguments):
     return [complex(word.strip().replace("±", "+").replace("+-", "-")) for word in words]
 
 
+@pytest.mark.thorough
 def test_poles_of_a_sampled_loop_are_shown_as_the_continuous_ones_to_which_they_tend():
     """A zero-order hold is half a sample of delay: a pole p moves by about p h, relative."""
     gains = ("margins", "--attitude-gain", "0.8", "--rate-gain", "0.8", "--model", "fixed-path")
@@ -234,6 +235,7 @@ def test_plant_and_loop_are_written_as_systems_with_their_bits(ending, tmp_path)
     assert (refused.exit_code, "must end in .mat or .npz" in refused.stderr) == (2, True)
 
 
+@pytest.mark.thorough
 def test_gains_with_samples_have_the_peaks_of_the_continuous_loop():
     """The margins are of the sampled loop; of the peaks "-" stood in the table."""
     continuous, sampled = (
@@ -452,6 +454,7 @@ def test_gains_that_nobody_specified_are_called_textbook_gains_and_those_propose
     assert "gains that satisfy" not in better.stdout
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("command", ["--", "file"])
 def test_proposed_gains_replace_the_design_of_a_study_file(tmp_path, command):
     head = '[study]\nvehicle = "made-up-launcher"\n[wind]\npeak_deg = 2\nduration_s = 7.5\n'

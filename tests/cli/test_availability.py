@@ -165,6 +165,7 @@ def test_ascent_and_availability_know_nothing_above_the_end_of_a_sounding(tmp_pa
     assert (days.exit_code, flight.exit_code) == (1, 1)
 
 
+@pytest.mark.thorough
 def test_the_figure_is_what_the_library_says(station, tmp_path) -> None:
     import matplotlib.pyplot as plt
 

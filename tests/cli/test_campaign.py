@@ -54,6 +54,7 @@ def test_show_says_what_the_library_finds(place):
     assert f"{document['median_deg']:.3f} deg" in text
 
 
+@pytest.mark.thorough
 def test_show_answers_other_questions(place):
     options = ["--output", "minimum", "--probability", "0.9", "--limit-deg", "0.2", "--json"]
     document = json.loads(run(place / "results", *options).stdout)

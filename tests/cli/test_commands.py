@@ -323,6 +323,7 @@ def test_nothing_heavy_is_loaded_before_it_is_needed() -> None:
     assert out.stdout.strip() == "[]"
 
 
+@pytest.mark.thorough
 def test_a_study_needs_neither_control_nor_pyplot() -> None:
     code = (
         "import sys, tvclin as tv;"

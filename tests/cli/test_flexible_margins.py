@@ -75,6 +75,7 @@ def phased(tmp_path: Path) -> str:
     return str(tmp_path / "phased.toml")
 
 
+@pytest.mark.thorough
 def test_the_smallest_margins_of_the_bands_are_those_of_the_whole_loop(phased):
     """The gain may rise by 2.69 dB at a phase crossover of the mode, of the rigid body by 40 dB."""
     result = run("margins", phased, *TURNING)
@@ -95,6 +96,7 @@ def test_the_smallest_margins_of_the_bands_are_those_of_the_whole_loop(phased):
 NOTCH = '[{kind = "notch", frequency_Hz = 2.5, zero_damping = 0.05, pole_damping = 0.5}]'
 
 
+@pytest.mark.thorough
 def test_a_mode_that_is_unstable_within_a_tenth_of_its_frequency_is_noted(phased):
     """At 1.06 of its frequency the loop is stable, at 1.07 it is not."""
     notched = (*TURNING, "--set", f"autopilot.filter={NOTCH}")
@@ -114,6 +116,7 @@ def test_a_mode_that_is_unstable_within_a_tenth_of_its_frequency_is_noted(phased
         assert any("is unstable at" in note for note in document["notes"]) is (factor == 1.06)
 
 
+@pytest.mark.thorough
 def test_modes_are_judged_where_the_command_line_asks_it_of_them():
     own = (
         "criteria.aero_margin_dB=3",
@@ -183,6 +186,7 @@ def test_what_does_not_go_together_is_one_sentence(arguments, message):
     assert message in result.stderr
 
 
+@pytest.mark.thorough
 def test_a_model_without_modes_gives_way_to_the_exact_one_and_is_told() -> None:
     simplified, exact = margins("--model", "drift"), margins()
     assert "the model is drift-exact: drift leaves out the structure" in simplified.stderr

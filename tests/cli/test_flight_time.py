@@ -183,6 +183,7 @@ WITH_ACTUATOR = "".join(
 """The flight with an actuator of 15.6 rad/s at 52 s."""
 
 
+@pytest.mark.thorough
 def test_a_single_time_has_structure_and_actuator_of_the_schedule_to_the_last_digit(folder):
     (folder / "modes.csv").write_text(MODES)
     (folder / "flight.csv").write_text(WITH_ACTUATOR)

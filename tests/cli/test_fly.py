@@ -69,6 +69,7 @@ def test_the_required_deflection_beside_a_nonlinear_flight_is_of_the_model_of_th
     assert f"required deflection {required:.3f} deg, see study" in printed
 
 
+@pytest.mark.thorough
 def test_an_autopilot_requires_the_same_in_a_study_of_any_dead_band(tmp_path):
     """It has none: its gust is at the worst time for K = 1; the required deflection has its K."""
     required, file = {}, tmp_path / "s.toml"
@@ -173,6 +174,7 @@ def test_every_law_survives_in_one_plane_with_a_tenth_more_than_it_needs(law, ne
         assert both["flown"] == pytest.approx(both["linear"], rel=0.05)
 
 
+@pytest.mark.thorough
 def test_the_boundary_is_flown_where_it_is_asked_for():
     pytest.importorskip("jsbsim")
     options = ("--engine", "sixdof", "--plane", "yaw", "--peak-deg", 1, "--dead-band", 0.5)
@@ -286,6 +288,7 @@ def test_bad_input_is_exit_code_two_in_one_sentence(arguments, words):
     assert words in " ".join(result.output.split())
 
 
+@pytest.mark.thorough
 def test_a_survival_below_the_least_of_all_is_told_as_one_that_does_not_last():
     arguments = ("--duration", 60, "--dead-band", 0.5)
     wind = tv.TriangularWind(peak=PEAK, duration=60.0)
@@ -327,6 +330,7 @@ def test_a_sounding_asks_of_a_flight_what_it_asks_of_the_sizing():
     assert flown["survived"] is None  # the excerpt has gaps of more than 2 km
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "engine",
     usual([[], ["--law", "autopilot"], ["--engine", "planar-varying"]], 0, 1),
@@ -394,6 +398,7 @@ def test_a_flight_in_a_head_or_a_tail_wind_survives_as_the_boundary_of_each_says
     assert json.loads(across.stdout)["direction"] == "cross"
 
 
+@pytest.mark.thorough
 def test_a_cross_wind_that_leaves_an_autopilot_open_is_called_one():
     """Between what it requires at nominal pressure and at that of the peak of a cross wind."""
     autopilot = ("--natural-frequency", "1.5", "--plane", "yaw", "--limit-deg", "0.413")
@@ -403,6 +408,7 @@ def test_a_cross_wind_that_leaves_an_autopilot_open_is_called_one():
     )
 
 
+@pytest.mark.thorough
 def test_a_part_of_a_sounding_is_said_to_be_one():
     sounding = ("--winds", SOUNDING, "--azimuth-deg", 90)
     said = "of wyoming.txt the 20 s about the vehicle's own time count, cut with steps of 4.26 and"
@@ -423,6 +429,7 @@ def test_a_note_on_what_is_not_counted_names_a_command_that_answers_for_the_wind
     assert "not counted here: limit (tvclin ascent counts it)" in run(*options, *sounding).stderr
 
 
+@pytest.mark.thorough
 def test_a_sounding_is_chosen_by_its_time():
     """And where none is chosen of several, that is said."""
     sounding = ["--winds", SOUNDING, "--azimuth-deg", "90", "--json"]

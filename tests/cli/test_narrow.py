@@ -69,6 +69,7 @@ def test_a_width_that_no_terminal_has_counts_as_none(width: str) -> None:
     assert vehicles.stdout.decode().splitlines() == words("vehicles").splitlines()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(os.name != "posix", reason="a locale of POSIX")
 def test_a_letter_that_the_locale_lacks_is_a_question_mark(tmp_path: Path) -> None:
     """ASCII has no letter for 10⁶, nor for the name of this file."""

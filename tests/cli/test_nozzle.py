@@ -76,6 +76,7 @@ def test_a_study_file_with_the_numbers_of_its_vehicle_is_answered_over_the_rate(
         assert answer["trade_off"][key] == pytest.approx(named["trade_off"][key], rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -> None:
     """At that rate the least limit is the one it is stated at."""
     required = json.loads(CliRunner().invoke(app, ["study", "--json"]).stdout)["verdict"]
@@ -94,6 +95,7 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
         assert f"{stated['required_rate_deg_per_s']:.3f}" in first
 
 
+@pytest.mark.thorough
 def test_the_required_rate_of_an_autopilot_is_that_of_the_library() -> None:
     given = ("--law", "autopilot", "--limit-deg", "0.8")
     case = tv.Case(
@@ -242,6 +244,7 @@ def study_file(folder: Path, hinge: str = HINGE) -> str:
     return str(file)
 
 
+@pytest.mark.thorough
 def test_the_torque_of_a_flight_is_that_of_its_motion_and_the_hinge_of_the_file(tmp_path) -> None:
     result = run(study_file(tmp_path), "--law", "trim", "--json")
     work = json.loads(result.stdout)["flown"][0]["duty"]["work"]
@@ -276,6 +279,7 @@ def in_head_wind() -> tv.Vehicle:
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("bound", "vehicle", "ratio", "yes"),
     usual(

@@ -134,6 +134,7 @@ def test_a_wrong_table_is_refused_in_a_sentence(table: str, words: str, tmp_path
     assert words in " ".join(result.output.split())
 
 
+@pytest.mark.thorough
 def test_the_question_counts_the_pressure_at_the_peak_of_a_head_wind(tmp_path: Path) -> None:
     vehicle, bound = tv.load_vehicle("configuration-i"), np.radians(3.0)
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)

@@ -208,6 +208,7 @@ def test_a_vehicle_that_trim_holds_at_rest_is_at_zero_in_the_csv(tmp_path):
     assert "-0.0," not in file.read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", usual(["png", "svg"], 0))
 def test_the_figure_is_written_and_closed(tmp_path, kind):
     import matplotlib.pyplot as plt

@@ -262,6 +262,7 @@ def test_a_key_of_the_wind_is_taken_where_no_sounding_is_given():
     assert (code, json.loads(out)["plane"]) == (0, "yaw"), error
 
 
+@pytest.mark.thorough
 def test_a_flight_schedule_has_no_keys_of_a_vehicle(tmp_path):
     file = tmp_path / "flight.csv"
     row = "1.48e6,2.25e7,6.67e5,2.495e6,9.45,23.56,80700,538.81,0.78"

@@ -292,6 +292,7 @@ def test_a_shift_below_the_digits_shown_has_no_sign() -> None:
     assert "would move the fast pole by less than 0.01 percent" in said
 
 
+@pytest.mark.thorough
 def test_an_archive_without_a_criterion_is_said_to_be_no_question(tmp_path) -> None:
     (tmp_path / "days").mkdir()
     rows = ["height_m,east_m_per_s,north_m_per_s", *(f"{z},5,0" for z in range(0, 40001, 1000)), ""]

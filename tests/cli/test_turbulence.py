@@ -59,6 +59,7 @@ def test_the_criterion_is_the_peak_in_the_wind_and_k_sigma(tmp_path: Path) -> No
     assert questions["rate in turbulence"]["measure"]["available"] == pytest.approx(3.0)
 
 
+@pytest.mark.thorough
 def test_more_standard_deviations_than_the_limit_covers_are_not_met(tmp_path: Path) -> None:
     result = run(tmp_path, "intensity_m_per_s = 20\nsigmas = 6", "--more")
     assert result.exit_code == 1
@@ -70,6 +71,7 @@ def test_more_standard_deviations_than_the_limit_covers_are_not_met(tmp_path: Pa
     assert "wind + 6 sigma" in result.stdout
 
 
+@pytest.mark.thorough
 def test_gains_that_are_assumed_in_turbulence_are_named(tmp_path: Path) -> None:
     result = run(tmp_path, "intensity_m_per_s = 6\nsigmas = 2", "--json")
     notes = json.loads(result.stdout)["notes"]
@@ -101,6 +103,7 @@ def test_a_severity_is_that_of_the_specification(
     assert plan.turbulence.at().length == pytest.approx(533.4)
 
 
+@pytest.mark.thorough
 def test_turbulence_over_altitude_is_that_of_a_file_or_of_levels(tmp_path: Path) -> None:
     (tmp_path / "air.csv").write_text("altitude_ft,intensity_kt\n0,4\n40000,12\n")
     level = "[[turbulence.level]]\naltitude_ft = {}\nintensity_kt = {}\n"
@@ -155,6 +158,7 @@ def test_an_altitude_is_that_of_the_flight_of_the_vehicle(tmp_path: Path) -> Non
     )
 
 
+@pytest.mark.thorough
 def test_the_share_of_turbulence_in_the_budget_is_said() -> None:
     options = ("--limit-deg", "1", "--from", "66", "--to", "66")
     keys = ("--set", "turbulence.intensity_m_per_s", "6", "--set", "autopilot.design", "canonical")
@@ -200,6 +204,7 @@ def test_in_a_head_wind_the_dynamic_pressure_at_its_peak_is_an_upper_bound(tmp_p
     assert words["rate in turbulence"] == "MET"
 
 
+@pytest.mark.thorough
 def test_without_a_stationary_covariance_it_is_not_known(tmp_path: Path) -> None:
     study = f"{STUDY}[autopilot]\nattitude_gain = 0.05\nrate_gain_s = 0.3\n"
     result = run(tmp_path, "intensity_m_per_s = 6", study=study)
@@ -241,6 +246,7 @@ def flight(path: Path, keys: str, *options: str, study: str = STUDY) -> Any:
 AT_66_S = ("--from", "66", "--to", "66")
 
 
+@pytest.mark.thorough
 def test_the_budget_has_turbulence_at_its_own_quantile(tmp_path: Path) -> None:
     result = flight(tmp_path, 'severity = "severe"\nprobability = 0.95', *AT_66_S)
     schedule = tv.load_schedule("configuration-i")
@@ -274,6 +280,7 @@ def test_a_pulse_of_one_flight_time_is_that_of_the_study(tmp_path: Path) -> None
         assert pulse[name] == pytest.approx(single[name], rel=1e-3), name  # of 66 s by its schedule
 
 
+@pytest.mark.thorough
 def test_a_head_wind_counts_with_its_dynamic_pressure(tmp_path: Path) -> None:
     study = STUDY.replace('sign = "frozen"\n', "")
     keys = "intensity_m_per_s = 6"
@@ -283,6 +290,7 @@ def test_a_head_wind_counts_with_its_dynamic_pressure(tmp_path: Path) -> None:
     assert head["deflection_deg"] > 1.1 * nominal["deflection_deg"]
 
 
+@pytest.mark.thorough
 def test_a_sounding_is_flown_along_the_flight() -> None:
     schedule = tv.load_schedule("configuration-i")
     profile = tv.WindProfile(
@@ -338,6 +346,7 @@ def design_of(case: tv.Case) -> tv.Autopilot:
     return tv.Autopilot(attitude_gain=0.8, rate_gain=0.8, actuator=case.nozzle.actuator)
 
 
+@pytest.mark.thorough
 def test_a_flight_whose_turbulence_is_not_known_is_not_sized(tmp_path: Path) -> None:
     study = f'{STUDY}limit_shape = "round"\n'.replace(
         "peak_deg = 5.0", "peak_deg = 5.0\ndirection_deg = 250\nazimuth_deg = 45"
@@ -361,6 +370,7 @@ def sheet(*options: str) -> Any:
 RANDOM = ("--set", "turbulence.intensity_m_per_s=6", "--set", "turbulence.sigmas=2")
 
 
+@pytest.mark.thorough
 def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
     calm, computed = sheet("--law", "autopilot"), sheet("--law", "autopilot", *RANDOM)
     lines, before = (
@@ -392,6 +402,7 @@ def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
     assert added == pytest.approx(more, rel=1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", usual(["trim", "half-relief"], 0))
 def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law: str) -> None:
     """Gains by the formulas of the report: trim, a ten times larger feedback, and half relief."""
@@ -426,6 +437,7 @@ def test_a_data_sheet_of_a_law_that_switches_is_not_known_in_turbulence() -> Non
     assert any("dead-band is not linear" in reason for reason in data_sheet["verdict"]["unknown"])
 
 
+@pytest.mark.thorough
 def test_torque_in_turbulence_is_not_known() -> None:
     hinge = ("--set", "nozzle.mass_kg=900", "--set", "nozzle.arm_m=1")
     limit = ("--set", "nozzle.torque_limit_N_m=1e6")
@@ -433,6 +445,7 @@ def test_torque_in_turbulence_is_not_known() -> None:
     assert sheet("--law", "autopilot", *hinge, *limit, *RANDOM)["verdict"]["satisfied"] is None
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "words",
     usual(

@@ -68,12 +68,14 @@ def test_a_limit_that_is_sufficient_in_a_known_wind_is_not_known_with_gaps(winds
     assert survived(found) is False
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "unknown"), [("known", False), ("with gaps", True)])
 def test_the_limits_of_all_laws_are_not_known_in_a_sounding_with_gaps(winds, name, unknown):
     _, found = answer(winds, name, "fly --law all", None)
     assert any("survival is not known" in note for note in found["notes"]) is unknown
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["with gaps", "too short"])
 def test_dispersed_vehicles_are_not_known_to_survive_a_sounding_with_gaps(winds, name):
     options = ("--probability", 0.5)

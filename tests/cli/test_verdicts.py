@@ -52,6 +52,7 @@ def test_a_limit_below_the_bound_of_an_autopilot_is_not_known_and_by_how_much_is
     assert required - short == pytest.approx(0.6, abs=1.5e-3)
 
 
+@pytest.mark.thorough
 def test_a_rate_limit_above_the_bounds_is_said_to_be_no_more():
     shown = run("study", *WIND, "--limit-deg", "0.6", "--rate-limit-deg", "0.2").output
     assert "at the nominal one 0.108 deg/s; a law may require more" in " ".join(shown.split())

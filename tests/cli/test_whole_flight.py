@@ -141,6 +141,7 @@ def filtered(folder):
     return study, replace(made, notches=(notch, notched().notches[1]))
 
 
+@pytest.mark.thorough
 def test_filters_with_columns_over_the_flight_are_those_of_python(folder, filtered) -> None:
     study, made = filtered
     document = json.loads(run("margins", study, "--json").stdout)
@@ -250,6 +251,7 @@ def test_a_flight_through_a_pulse_is_that_of_python_with_its_exit_code(folder, t
     assert len(csv.read_text(encoding="utf-8").splitlines()) == flown.times.size + 1
 
 
+@pytest.mark.thorough
 def test_a_pulse_is_flown_in_the_worse_of_head_and_tail_wind(folder) -> None:
     result = run("fly", folder / "study.toml", *PULSE, *at(50), "--json")
     ((worst,), notes) = (json.loads(result.stdout)[key] for key in ("flights", "notes"))
@@ -306,6 +308,7 @@ def test_a_flight_through_gaps_of_a_sounding_is_not_known_to_survive(folder, tmp
     assert (known.exit_code, known.stdout[:8]) == (0, "SURVIVED")
 
 
+@pytest.mark.thorough
 def test_a_sounding_that_is_calm_in_one_plane_is_flown_in_both(folder, tmp_path) -> None:
     """As in the other plane alone: the calm plane requires nothing."""
     winds = tmp_path / "jet.csv"
@@ -320,6 +323,7 @@ def test_a_sounding_that_is_calm_in_one_plane_is_flown_in_both(folder, tmp_path)
         assert flown["both"][key] == pytest.approx(flown["pitch"][key], rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     archive = folder / "soundings"
     archive.mkdir(exist_ok=True)
@@ -381,6 +385,7 @@ def test_what_a_flight_of_the_loop_cannot_take_is_refused(folder, words, message
     assert message in " ".join(result.stderr.split())
 
 
+@pytest.mark.thorough
 def test_ascent_lists_required_used_and_remaining_deflection_of_the_flown_autopilot(folder) -> None:
     words = ("--from", "50", "--to", "70", "--every", "20")
     result = run("ascent", folder / "study.toml", *PULSE, *words, "--json")
@@ -419,6 +424,7 @@ def in_both_planes(**keys):
     return ("--azimuth-deg", "90", *both)
 
 
+@pytest.mark.thorough
 def test_ascent_and_fly_in_both_planes_are_of_the_autopilot_flown_in_both(folder) -> None:
     """The same flights in Python: the vector of 4 deg by its direction at each flight time."""
     words = ("--from", 50, "--to", 50, "--plane", "both", *in_both_planes(), "--json")
@@ -454,6 +460,7 @@ def test_the_autopilot_is_flown_at_a_single_flight_time(folder) -> None:
     assert single["verdict"]["autopilot"] == "SURVIVED in 1 wind"
 
 
+@pytest.mark.thorough
 def test_a_pulse_at_the_end_of_the_flight_settles_on_the_vehicle_of_its_end(folder) -> None:
     late = run("fly", folder / "study.toml", *PULSE, *at(109), "--json")
     document = json.loads(late.stdout)
@@ -486,6 +493,7 @@ def test_the_page_of_a_study_has_the_autopilot_over_the_flight(folder, tmp_path)
     assert "autopilot along the flight" in html
 
 
+@pytest.mark.thorough
 def test_a_table_of_gains_that_ends_within_the_flight_is_noted(folder) -> None:
     gains = folder / "short.csv"
     gains.write_text("time_s,attitude_gain,rate_gain_s\n30,0.4,0.5\n70,0.5,0.6\n")
@@ -495,6 +503,7 @@ def test_a_table_of_gains_that_ends_within_the_flight_is_noted(folder) -> None:
     assert "gains are given for" not in run("margins", folder / "study.toml", "--more").stdout
 
 
+@pytest.mark.thorough
 def test_a_table_of_some_flight_times_says_of_how_many(folder) -> None:
     every = ("--set", "size.every_s", "3.5")
     swept = " ".join(run("margins", folder / "study.toml", *every).stdout.split())
@@ -520,11 +529,13 @@ def test_gains_of_the_file_are_flown_by_the_autopilot(tmp_path) -> None:
     assert "law report" in run("fly", study, "--engine", "planar").stdout
 
 
+@pytest.mark.thorough
 def test_the_headline_names_the_planes_that_are_judged() -> None:
     headline = run("ascent", "configuration-i", "--every", "40").stdout.partition("\n\n")[0]
     assert "pitch alone judged (--plane both judges both)" in " ".join(headline.split())
 
 
+@pytest.mark.thorough
 def test_a_flight_that_survives_an_unstable_mode_says_at_which_times_it_is_unstable(folder) -> None:
     """With a shallower notch the first mode is unstable at 30 s, by the eigenvalues there."""
     file = folder / "shallow.toml"

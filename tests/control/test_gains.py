@@ -382,6 +382,7 @@ def test_the_answer_to_a_triangular_wind_is_that_of_python_control(model, option
     np.testing.assert_array_equal(autopilot.wind_response(plant, wind)(times), result.outputs)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_the_answer_to_a_smooth_gust_is_that_of_an_integrator(model):
     plant = Plant.from_coefficients(COEFFICIENTS, model)

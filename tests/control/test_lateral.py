@@ -450,6 +450,7 @@ def assert_same_flight(flown, own):
         assert error < 1e-7 * np.abs(values).max(), label
 
 
+@pytest.mark.thorough
 def test_a_continuous_flight_with_drift_is_the_integral_of_own_equations():
     times = np.linspace(0.0, 25.0, 51)
     own = solve_ivp(
@@ -612,6 +613,7 @@ GAINS_IN_STATE_SPACE = tv.control.SystemAutopilot(
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("rate", [None, 40.0])
 @pytest.mark.parametrize("own", [False, True], ids=["plant", "plant with lateral outputs"])
 def test_a_controller_that_reads_drift_and_acceleration_is_that_of_gains(rate, own):
@@ -633,6 +635,7 @@ def test_a_controller_that_reads_drift_and_acceleration_is_that_of_gains(rate, o
         assert error < 1e-9 * np.abs(by_gains[name]).max(), name
 
 
+@pytest.mark.thorough
 def test_flown_margins_and_many_flights_of_a_controller_with_drift_are_those_of_gains():
     law = tv.control.SystemLaw(GAINS_IN_STATE_SPACE)
     many, expected = (

@@ -176,6 +176,7 @@ def test_it_never_leans_beyond_its_reach(model, reach):
         assert np.any(np.abs(Z) > 0.999 * reach * D)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("trust", [1.0, 0.8, 0.4])
 def test_it_leans_no_further_than_the_design_wind_asks(trust):
     law = LeanLaw(plant_of(), design_peak=0.05, trust=trust)

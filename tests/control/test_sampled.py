@@ -203,6 +203,7 @@ def flown(autopilot, plant, seconds, parts=8):
     return np.array(attitude)
 
 
+@pytest.mark.thorough
 def test_a_long_simulation_grows_just_beyond_the_margin_and_dies_just_before():
     plant = booster()
     rise = SAMPLED.margins(plant).gain_increase

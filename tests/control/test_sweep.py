@@ -23,6 +23,7 @@ def schedule(**options) -> tv.control.GainSchedule:
     return replace(made, notches=NOTCHES)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "options", usual([{"sample_rate": 50.0}, {}], 0), ids=["sampled", "continuous"]
 )

@@ -210,6 +210,7 @@ def test_a_sampled_loop_is_near_the_continuous_one_with_half_a_sample_more_delay
     assert np.isclose(result.spectrum(1.0), near.spectrum(1.0), rtol=1e-2)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("autopilot", "plant"),
     [
@@ -425,6 +426,7 @@ def flown_along(schedule, gains, air, times, runs, samples, delayed):
     return np.moveaxis(np.array(motion), 0, -1)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("runs", [400, pytest.param(10_000, marks=pytest.mark.thorough)])
 def test_along_a_flight_a_sampled_autopilot_has_the_covariance_of_its_flights(runs):
     schedule, gains = flight()

@@ -196,6 +196,7 @@ def test_closed_forms_of_drift_hold_with_the_pole_in_the_place_of_beta():
     np.testing.assert_allclose(poles[:, 0], -(c.pole + c.damping), rtol=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("tau_pole", usual([3.0, 8.0], 0))
 def test_the_bound_without_forecast_and_the_minimum_are_those_of_the_pole(tau_pole):
     """W(t) = p integral of e^(-p (r - t)) wind(r) dr: max{W(0), sup W/2}, and W(0)."""

@@ -123,6 +123,7 @@ def at_rest(expression):
     return expression.subs(dict.fromkeys((*SMALL, ALPHA), 0))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", usual(range(3), 0))
 def test_the_package_has_the_equations_of_lagrange(seed):
     """Every coefficient but the stiffness of the mode itself, which its frequency contains.

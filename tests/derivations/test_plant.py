@@ -76,6 +76,7 @@ def test_the_printed_equation_of_the_cubic_lacks_one_over_b():
         assert not equal(wrong, right)
 
 
+@pytest.mark.thorough
 @SEEDS
 def test_with_the_speed_the_plant_is_a_quartic_with_the_gravity_term(seed):
     """Eq (quartic): (B5) in (B3) without approximation, with the gravity term throughout."""
@@ -168,6 +169,7 @@ def lateral_path_rate():
     return linear(rate, {Theta: 0, gamma: 0, delta: 0, wind: 0}, (Theta, gamma, delta, wind))
 
 
+@pytest.mark.thorough
 @SEEDS
 def test_in_yaw_the_weight_keeps_the_sine_of_the_real_attitude(seed):
     """Eq (yaw rule): cos Theta_n goes, sin Theta_n stays; 90 deg makes C2 too large by 1/sin."""

@@ -148,6 +148,7 @@ MISPRINTS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("misprint", MISPRINTS.values(), ids=MISPRINTS)
 def test_each_misprint_alone_spoils_the_response(misprint):
     """Eq (B9): plus for minus, B for beta with a bracket, an unclosed brace: each is an error."""

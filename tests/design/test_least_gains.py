@@ -249,6 +249,7 @@ def test_stops_are_the_winds_cut_at_even_instants():
     np.testing.assert_allclose(every(times)[6:], [wind(times) for wind in winds], atol=1e-15)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("hasty")
 def test_what_is_overfitted_or_given_up_is_said():
     easy = tv.control.Criteria.custom(aero_margin_dB=6.0, phase_margin_deg=30.0)
@@ -277,6 +278,7 @@ def test_more_disk_margin_costs_what_another_search_says():
     assert front.limits["boundary, K = 1"] == pytest.approx(boundary.limit)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("hasty")
 def test_a_flight_has_gains_at_each_time():
     c = tv.Coefficients(mu_alpha=[0.1, 0.28], mu_delta=[2.0, 2.6])

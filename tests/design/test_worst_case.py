@@ -98,6 +98,7 @@ def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
     assert 0.8 * worst.value < inside < worst.value
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_no_margin_of_a_random_point_is_worse(model):
     box = {

@@ -136,6 +136,7 @@ def lost_flown(flight, wind, azimuth, plane, limits, feedback=10.0):
     return np.abs(x @ row) > np.abs(row @ B[:, 0]) / poles[fastest].real * limits
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("tried", usual([[2, 4], [0, 1, 2, 3, 4]], 0))
 def test_a_wind_that_turns_where_the_path_is_quick_is_lost_as_its_flights_are(tried) -> None:
     """Trim meets the limit to one side alone; the path that the limited flight leaves counts."""
@@ -163,6 +164,7 @@ def test_a_wind_that_turns_where_the_path_is_quick_is_lost_as_its_flights_are(tr
         assert result.flies[0] != 1.0
 
 
+@pytest.mark.thorough
 def test_a_narrow_window_of_losses_above_a_limit_that_survives_is_seen(flight) -> None:
     """In a cross wind that turns about, flights with 1.004 to 1.0075 of the bound are lost."""
     given = np.array([0.0, 5.0, 9.7, 13.1, 16.7, 19.2, 22.7, 25.3, 27.2, 42.0]) * 1e3
@@ -251,6 +253,7 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     assert np.array_equal(fixed.lower, fixed.upper)  # there nothing needs to be flown
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     """As a flight by other steps says; with half of the bound that is lost."""

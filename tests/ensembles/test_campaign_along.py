@@ -97,6 +97,7 @@ def test_cases_have_the_same_bits_in_any_chunk_and_from_a_manifest(columns) -> N
             assert single[name][0] == values[k]
 
 
+@pytest.mark.thorough
 def test_a_campaign_along_a_flight_is_resumed_and_replayed(tmp_path, columns) -> None:
     pytest.importorskip("pyarrow")
     results = tv.run_campaign(campaign(), tmp_path / "results")
@@ -126,6 +127,7 @@ def jet(speed: float, cross: float, top: float) -> tv.WindProfile:
     return tv.WindProfile(height=height, east=speed * ratio, north=cross * ratio)
 
 
+@pytest.mark.thorough
 def test_soundings_are_drawn_with_their_own_direction() -> None:
     made = flight(flexible=False)
     soundings = [
@@ -245,6 +247,7 @@ percent = 5
 """
 
 
+@pytest.mark.thorough
 def test_a_file_flies_its_cases_along_the_flight_with_its_schedule_and_notches(tmp_path) -> None:
     write_flight(tmp_path)
     study = (tmp_path / "study.toml").read_text(encoding="utf-8")

@@ -125,6 +125,7 @@ def test_a_manifest_with_another_structure_is_refused(damaged):
         read(record)
 
 
+@pytest.mark.thorough
 def test_a_case_is_flown_again_as_the_flexible_vehicle():
     plan = campaign()
     fates = evaluate(plan, 0, 12)["flight_survived"]

@@ -139,6 +139,7 @@ def test_a_flight_of_both_planes_survives_where_one_along_the_wind_does() -> Non
     assert np.all(np.isinf(result["flight_peak_attitude"]) == (fates == 0.0))
 
 
+@pytest.mark.thorough
 def test_a_case_that_cannot_be_has_its_own_status_and_the_others_go_on() -> None:
     wide = [{"parameter": "attitude", "shape": "uniform", "spread_deg": 60}, *SPREAD[:1]]
     plan = parse_campaign(TABLES | {"dispersion": wide})

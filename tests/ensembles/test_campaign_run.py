@@ -84,6 +84,7 @@ def test_the_chunk_changes_no_bit(plan, whole, tmp_path, chunk):
     same(whole, tv.run_campaign(replace(plan, chunk=chunk), tmp_path))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact"], 1))
 def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
     time = np.linspace(0.0, 20.0, 12)
@@ -231,6 +232,7 @@ tv.run_campaign(plan, {str(folder)!r})
     assert all(file.stat().st_mtime_ns == then for file, then in kept.items())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("each", usual([101, 1], 0))
 def test_any_flipped_bit_of_a_chunk_is_named_or_changes_nothing(plan, tmp_path, each):
     """Of values, footer and metadata alike, whichever columns are read."""

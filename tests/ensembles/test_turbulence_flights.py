@@ -81,6 +81,7 @@ def test_a_known_wind_and_fewer_runs_change_no_other_flight():
     assert np.all(few.flown.peak_deflection > calm.flown.peak_deflection)
 
 
+@pytest.mark.thorough
 def test_along_a_flight_the_worst_time_says_whether_the_loop_is_linear():
     schedule = tv.load_schedule("configuration-i")
     coefficients = tv.Plant.from_vehicle(schedule.vehicle, "drift-exact").coefficients

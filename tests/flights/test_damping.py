@@ -32,6 +32,7 @@ def triangle(vehicle, tau_pole):
     return tv.TriangularWind(peak=DEGREE, duration=tau_pole / pole)
 
 
+@pytest.mark.thorough
 @EACH_ENGINE
 @pytest.mark.parametrize("plane", usual(["pitch", "yaw"], 1))
 @pytest.mark.parametrize(
@@ -91,6 +92,7 @@ def test_the_nominal_deflection_holds_the_turning_nose_against_the_damping():
     assert flight.deflection(t) > calm.deflection(t)  # nose down, after the path
 
 
+@pytest.mark.thorough
 @EACH_PLANE
 def test_along_the_trajectory_both_engines_fly_the_same(plane):
     pytest.importorskip("jsbsim")

@@ -159,6 +159,7 @@ def test_the_course_booster_has_426_ms_in_continuous_time_and_half_a_sample_less
     assert result.effectiveness_fall.value == pytest.approx(1.170, abs=1e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("law", usual(LAWS.values(), 3), ids=LAWS)
 def test_at_the_boundary_no_effectiveness_may_be_lost(law):
     """F y_b(1/f) = L, and y_b does not fall with falling gain: f is at most the spare."""

@@ -52,6 +52,7 @@ def test_near_rest_they_are_the_margins_of_the_sampled_loop(plant_and_margins):
         assert moved.margins(plant).stable == stable
 
 
+@pytest.mark.thorough
 def test_a_change_that_is_lost_is_where_the_flights_are_lost(plant_and_margins):
     plant, m = plant_and_margins
     law = tv.SaturatedLaw(gains(plant))

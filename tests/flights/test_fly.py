@@ -384,6 +384,7 @@ def test_a_law_is_shown_the_deflection(sample_rate):
         np.testing.assert_allclose(shown[:500], deflection[:500], rtol=1e-9, atol=1e-15)
 
 
+@pytest.mark.thorough
 def test_noise_is_on_the_measured_rate_and_comes_again_with_its_seed():
     def flown(law):
         options = {"deflection_limit": 1.0, "sample_rate": 200.0}
@@ -424,6 +425,7 @@ def test_times_may_stand_in_any_order_before_the_wind_and_on_its_knots(sample_ra
         np.testing.assert_allclose(single.outputs[:, -1], expected.outputs[:, 1], atol=1e-10 * PEAK)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("hardware", usual([{}, {"actuator": SERVO}, {"actuator": LAG}], 1))
 @pytest.mark.parametrize("sample_rate", [None, 41.0])
 def test_the_flight_does_not_depend_on_the_times_asked_for(sample_rate, hardware):
@@ -444,6 +446,7 @@ class Follower(tv.control.Law):
         return 3 * B * (seen.attitude + seen.attitude_rate / BETA) - 0.1 * seen.deflection
 
 
+@pytest.mark.thorough
 def test_without_an_actuator_there_is_no_deflection_before_the_demand():
     flight = (plant_of(), Follower(), WIND, [0.0, 5.0])
     with pytest.raises(InputError, match="looks at the deflection needs an actuator or a sample"):

@@ -175,6 +175,7 @@ def test_a_pulse_has_the_pressure_of_its_wind_triangle(sign, end) -> None:
         np.testing.assert_array_equal(default.outputs["attitude"], flown.outputs["attitude"])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("end", usual([54.0, 56.0], 0))
 def test_a_sounding_has_its_speed_in_angle_and_pressure(end) -> None:
     made, laws = flight(flexible=False), autopilot(delay=0.0)
@@ -262,6 +263,7 @@ def test_a_frozen_flight_is_that_of_fly_many_to_the_last_digit(gains) -> None:
     assert len(set(many.status.tolist())) > 1
 
 
+@pytest.mark.thorough
 def test_a_single_flight_is_one_of_many() -> None:
     made, laws = flight(), autopilot(sample_rate=50.0)
     wind = tv.TriangularWind(peak=np.radians([2.0, 4.0]), duration=6.0).shift(52.0)
@@ -298,6 +300,7 @@ def test_a_small_limit_is_lost_and_a_wind_to_the_end_is_judged_before_it() -> No
     assert "unstable modes" in good.reason
 
 
+@pytest.mark.thorough
 def test_a_pulse_at_the_end_is_flown_on_with_the_vehicle_and_gains_of_the_end() -> None:
     """The flight is that along a schedule whose last row stays the same, to rounding."""
     made, laws = flight(flexible=False), autopilot(sample_rate=25.0)

@@ -246,6 +246,7 @@ def test_filters_of_a_law_in_python_are_those_of_the_package():
     )
 
 
+@pytest.mark.thorough
 def test_the_notch_decides_whether_the_booster_flies():
     """Without filters bending grows and no limit is enough; with them some 1.4 % more is needed."""
     options = {"actuator": STIFF, "sample_rate": 100.0, "delay": 0.02}

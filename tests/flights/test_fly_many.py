@@ -251,6 +251,7 @@ def test_outcomes_are_those_of_flights_without_pause(name, model):
     assert below[1] > 10.0 * below[0]
 
 
+@pytest.mark.thorough
 @EACH_WAY
 def test_every_case_has_its_own_plant_wind_gains_and_limit(compiled):
     rng = np.random.default_rng(5)
@@ -316,6 +317,7 @@ def test_a_bad_case_has_its_status_and_the_others_go_on(compiled):
     np.testing.assert_array_equal(numbers(flown)[:, 0], numbers(single)[:, 0])
 
 
+@pytest.mark.thorough
 @EACH_WAY
 def test_a_flight_that_grows_again_after_a_calm_is_not_saved(compiled):
     """Too small a gain leaves a slow mode that grows, from next to nothing, to beyond return."""
@@ -371,6 +373,7 @@ def test_what_cannot_be_flown_is_refused_in_one_sentence(change, message):
         tv.fly_many(**{**given, "deflection_limit": 0.01, "sample_rate": 50.0} | change)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=NEEDS_NUMBA)])
 def test_a_flight_that_leaves_all_numbers_is_lost_without_a_warning(compiled):
     """It grows by e^1000 while the wind blows."""

@@ -40,6 +40,7 @@ LAWS = {
 }
 
 
+@pytest.mark.thorough
 @by_turns("name,nozzle", LAWS, ["at once", "late"], each=4)
 def test_in_a_straight_wind_it_is_the_flight_of_one_plane(name, nozzle) -> None:
     """In any direction; rates are limited in each plane, so that none is here."""
@@ -81,6 +82,7 @@ def test_a_flight_is_the_solution_of_its_equations(stop, saturate) -> None:
         x, t = step.y[:, -1], t + 1.0 / RATE
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "degrees", "lost", "saved"),
     usual([("trim", 90, 0.67, 0.70), ("trim", 180, 0.66, 0.69), ("lean", 180, 0.44, 0.49)], 2),
@@ -93,6 +95,7 @@ def test_what_a_turning_wind_asks_of_a_flight(name, degrees, lost, saved) -> Non
     assert saved > (needed.limit if name == "trim" else needed.no_forecast_bound)
 
 
+@pytest.mark.thorough
 def test_each_plane_by_itself_costs_what_the_square_inside_costs() -> None:
     """sqrt(2) times the larger part of the direction, 30 degrees from pitch."""
     wind = tv.winds.PlaneWind.towards(GUST, np.radians(30))
@@ -138,6 +141,7 @@ def test_what_cannot_be_flown_in_two_planes_is_refused() -> None:
 FROZEN_TIME = 60.0
 
 
+@pytest.mark.thorough
 @by_turns("shape,degrees", ["round", "square", "square-45"], [0, 180], each=2)
 def test_a_frozen_flight_in_both_planes_is_that_of_the_frozen_vehicle(shape, degrees) -> None:
     """To rounding, with a delay, an actuator and a rate limit."""
@@ -252,6 +256,7 @@ def test_planes_in_a_sounding_without_limits_are_flights_of_one_plane(gust) -> N
     assert both.status == "survived"
 
 
+@pytest.mark.thorough
 def test_a_wind_in_pitch_alone_is_the_flight_of_that_plane_to_its_limit() -> None:
     made, law = flight(), autopilot(sample_rate=50.0)
     gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0).shift(52.0)

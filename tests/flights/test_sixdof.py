@@ -66,6 +66,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.thorough
 @by_turns("plane,name", ["pitch", "yaw"], ["I", "II"], each=3)
 def test_the_boundary_with_drift_is_that_of_the_cubic_model(
     configuration_i, configuration_ii, name, plane
@@ -293,6 +294,7 @@ FEEDBACK = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("plane", "feedback"), usual([(p, name) for name in FEEDBACK for p in ("pitch", "yaw")], 3)
 )

@@ -16,6 +16,7 @@ TRIM = FIXED.coefficients.B * GUST.peak
 EXACT = {plane: tv.Plant.from_vehicle(VEHICLE, "drift-exact", plane) for plane in ("pitch", "yaw")}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("drift", usual([False, True], 1))
 @pytest.mark.parametrize("stop", usual(["round", "square"], 0))
 def test_a_slanting_wind_has_the_linear_boundary_within_a_percent(drift, stop) -> None:

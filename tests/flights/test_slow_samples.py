@@ -54,6 +54,7 @@ def by_small_steps(actuator, rate, delay, limit, most, last, parts=800):
     return np.array(shown).T
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("rate", "hertz", "damping", "delay", "part", "most"),
     usual(

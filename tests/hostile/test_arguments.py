@@ -95,6 +95,7 @@ def angles(call: Any) -> set[str]:
     }
 
 
+@pytest.mark.thorough
 def test_an_angle_that_was_meant_in_degrees_is_refused(every: dict[str, Door]) -> None:
     """4 rad of a deflection or a wind, 7 rad of a direction: of every public function."""
     request, taken, known = 0, [], public()

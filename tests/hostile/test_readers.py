@@ -69,6 +69,7 @@ def test_every_way_of_packing_that_is_damaged_is_one_sentence(packed, how) -> No
     }
 
 
+@pytest.mark.thorough
 def test_a_line_that_unpacks_to_gigabytes_is_not_gathered(packed) -> None:
     file = packed(b"#" + bytes(200_000_000))
     said = refused(tv.read_soundings, file)

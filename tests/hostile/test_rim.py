@@ -26,6 +26,7 @@ def run(*arguments: str, **options) -> subprocess.CompletedProcess:
     return subprocess.run([sys.executable, "-m", "tvclin", *arguments], check=False, **options)
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not FULL.exists(), reason="a device of Linux")
 @pytest.mark.parametrize(
     "arguments",
@@ -38,6 +39,7 @@ def test_a_full_device_is_one_sentence(arguments) -> None:
     assert done.returncode == 2
 
 
+@pytest.mark.thorough
 def test_a_terminal_of_ascii_has_a_question_mark_for_what_it_lacks() -> None:
     environment = os.environ | {"PYTHONIOENCODING": "ascii"}
     done = run(

@@ -93,6 +93,7 @@ class LawInPython(tv.control.Law):
         return 0.3 * measured.attitude + 0.6 * measured.attitude_rate
 
 
+@pytest.mark.thorough
 def test_machine_code_moves_by_a_sample_as_plain_python_does():
     """Behind the kernel of whole flights, whose parts it shares, so that these compile once."""
     pytest.importorskip("numba")
@@ -117,6 +118,7 @@ def test_both_kernels_of_a_sample_run_alike_if_one_alone_is_cached(monkeypatch):
     np.testing.assert_array_equal(fields(computed), fields(expected))
 
 
+@pytest.mark.thorough
 @EACH_WAY
 @EACH_KIND
 def test_a_case_does_not_depend_on_its_batch(name, options, compiled):

@@ -172,6 +172,7 @@ def carried_one_by_one(model: str) -> tuple[Any, ...]:
     return plants, inputs, times, np.array(outputs)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(MODELS, 2))
 def test_dispersed_plants_keep_their_digits(model: str, run: None) -> None:
     plants, inputs, times, expected = carried_one_by_one(model)
@@ -303,6 +304,7 @@ def test_a_case_has_the_same_bits_wherever_it_stands() -> None:
             np.testing.assert_array_equal(triangles(plant, durations[some], times), result[some])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("K", [1.0, 0.0])
 def test_a_batch_on_the_boundary_keeps_its_digits(K: float, run: None) -> None:
     beta, B = np.linspace(0.3, 0.9, 40), np.linspace(0.05, 0.5, 40)

@@ -50,6 +50,7 @@ def test_what_is_cached_has_another_name_when_a_called_function_changes(monkeypa
     assert source.digest.__wrapped__(total) != before
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "place", usual(["beside the source", "by NUMBA_CACHE_DIR", "with the user"], 0)
 )

@@ -168,6 +168,7 @@ def test_forced_response_to_a_ramp_of_wind_is_the_hyperbolic_sine():
     np.testing.assert_allclose(response.outputs[0], expected, rtol=1e-9, atol=1e-13)
 
 
+@pytest.mark.thorough
 def test_bode_plot_draws_the_magnitude_of_the_transfer_function():
     mpl.use("Agg")
     import matplotlib.pyplot as plt

@@ -268,6 +268,7 @@ def test_batches_are_refused_where_one_case_is_asked_for() -> None:
         ]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
 @pytest.mark.parametrize("mu_alpha", [1e-8, 1e-10, 1e-12, 1e-16])
 def test_a_vehicle_next_to_neutral_answers_like_its_series(mu_alpha: float, model: str) -> None:

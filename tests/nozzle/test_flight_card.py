@@ -120,6 +120,7 @@ def test_a_measured_wind_is_met_with_the_largest_dynamic_pressure_of_its_part(az
         assert point.minimum == pytest.approx(expected, rel=within)
 
 
+@pytest.mark.thorough
 def test_a_measured_wind_is_counted_once_over_the_flight():
     """On a flight that does not change, the parts are those of one flight from end to end."""
     case = plan()
@@ -198,6 +199,7 @@ def test_above_the_last_level_of_a_balloon_the_end_of_the_flight_is_offered():
     assert tv.nozzle.flight_duty(case, offered).verdict.satisfied is True
 
 
+@pytest.mark.thorough
 def test_a_flight_with_a_complex_pair_is_not_known_and_what_would_make_it_known_is_named(tmp_path):
     """Not called lost, and no number of a motion that is not judged is shown."""
     flight = tv.load_schedule(write(tmp_path / "pad.csv"))

@@ -129,6 +129,7 @@ def test_no_rate_is_sufficient_for_an_autopilot_that_is_lost_without_a_rate_limi
         tv.nozzle.flown_required_rate(tv.Case(vehicle=VEHICLE), law)
 
 
+@pytest.mark.thorough
 def test_no_law_survives_for_sure_in_a_wind_that_is_not_known_throughout():
     wind, nozzle = tv.TriangularWind(peak=0.03, duration=5.0), tv.Nozzle(limit=0.02, rate_limit=0.1)
     vehicle = tv.load_vehicle("configuration-i")

@@ -53,6 +53,7 @@ def test_a_long_step_of_a_fast_system_ends_in_the_stationary_covariance():
     assert np.allclose(periodic_covariance(F[0], Q[0]), P, rtol=1e-10, atol=1e-14)
 
 
+@pytest.mark.thorough
 def test_a_varying_step_is_right_to_fourth_order():
     """Against a thousand small steps, each with the system of its middle."""
     A0, N0 = system()

@@ -56,6 +56,7 @@ def test_the_panel_runs_without_threads_processes_compiler_and_extras(browser, t
     run_poorly(tmp_path, browser.PANEL)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "number",
     [

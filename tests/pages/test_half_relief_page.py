@@ -67,6 +67,7 @@ def test_the_bound_beside_them():
     assert numbers("any law (bound of the fast mode)", 7) == pytest.approx(bounds, abs=5.1e-4)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("believed", usual(["0.8", "0.9", "1.1", "1.2"], 2))
 def test_an_effectiveness_that_is_believed_wrongly(believed):
     own = COEFFICIENTS.replace(mu_delta=float(believed) * COEFFICIENTS.mu_delta)
@@ -79,6 +80,7 @@ def test_an_effectiveness_that_is_believed_wrongly(believed):
             is_needed(limit, 0.004, law, EXACT, tau_beta)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("label", usual([".50", ".52"], 0))
 def test_the_balance_of_a_slow_nozzle(label):
     behind = 0.5 + np.linspace(0.0, 0.08, 33)
@@ -91,6 +93,7 @@ def test_the_balance_of_a_slow_nozzle(label):
 CLIFF = [line.strip("| ").split(" | ") for line in LINES if re.match(r"\| [23]\.\d+, ", line)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("row", usual(CLIFF, 0), ids=[row[0] for row in CLIFF])
 def test_the_cliff(row):
     gains, lead, shown, lost = row
@@ -113,6 +116,7 @@ def test_the_cliff(row):
 ESTIMATED = [line for line in LINES if re.match(r"\| (a vane|20|10|5|3|2|1) \| ", line)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "label", usual([line.strip("| ").split(" | ")[0] for line in ESTIMATED], 0, 3)
 )

@@ -247,6 +247,7 @@ def test_every_public_name_is_documented_with_its_errors_and_units() -> None:
         assert not text.startswith(f"{name}("), f"{name} has only its generated docstring"
 
 
+@pytest.mark.thorough
 def test_the_table_of_optima_is_what_the_package_finds() -> None:
     """Every number of the table in docs/optimum.md, to its printed digits."""
     columns = [

@@ -284,6 +284,7 @@ def test_sketch_b_switches_where_equation_11_says():
     assert held[jump + 1] == pytest.approx(y, rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_sketch_c_solves_equation_c6():
     computed = plots.sketch_c(ratios=(0.1, 0.5)).curves
     y = computed.abscissa
@@ -409,6 +410,7 @@ def test_study_chart_and_pole_map_are_control_plots(configuration_i):
     assert sorted(all_lines(poles)[0].get_xdata()) == pytest.approx([-0.52928, 0.52928], abs=5e-6)
 
 
+@pytest.mark.thorough
 def test_a_study_with_a_gust_draws_few_durations(configuration_i):
     """For each of them the trim law is flown."""
     wind = tv.ShapedWind(

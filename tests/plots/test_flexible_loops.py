@@ -75,6 +75,7 @@ def test_the_curve_is_the_loop_with_its_modes(name, chart):
         assert omega[-1] > 0.9 * np.pi * autopilot.sample_rate
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", usual(["flexible", "sampled"], 0))
 def test_each_mode_is_marked_where_it_peaks_with_its_margin(name):
     autopilot, _ = CASES[name]
@@ -110,6 +111,7 @@ def test_an_unstable_loop_shows_the_names_of_its_modes_and_no_margins():
     assert any(words.endswith("rad/s: unstable") for words in marks(plot))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", CASES)
 def test_nyquist_turns_as_often_as_the_poles_say(name):
     autopilot, plant = CASES[name]

@@ -66,6 +66,7 @@ def written(plot, tmp_path):
     return [" ".join("".join(text.itertext()).split()) for text in texts]
 
 
+@pytest.mark.thorough
 @by_turns("name,draw", NAMES, FIGURES, each=4)
 def test_a_dollar_sign_in_a_name_is_a_dollar_sign(tmp_path, draw, name):
     words = written(FIGURES[draw](name), tmp_path)

@@ -207,6 +207,7 @@ CASES = [(name, vehicle, WHOLE) for vehicle in VEHICLES for name in CHARTS]
 CASES += [(name, vehicle, PAGE) for vehicle in VEHICLES for name in ON_THE_PAGE]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "vehicle", "size"), usual(CASES, 5, 57))
 def test_no_two_texts_of_a_chart_are_on_top_of_each_other(name, vehicle, size):
     legible(CHARTS[name](tv.load_vehicle(vehicle)), size)

@@ -33,6 +33,7 @@ def west_wind(azimuth_deg):
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("azimuth", "plane"), [(270, "pitch"), (0, "yaw")])
 def test_a_sounding_is_flown_at_its_largest_pressure_in_the_window(azimuth, plane):
     """The ratio is that of the wind triangle, over the window by hand."""

@@ -75,6 +75,7 @@ def test_a_head_wind_that_cannot_be_is_not_known_and_the_reason_is_said() -> Non
     assert "no horizontal wind turns it so far" in needed.reasons[0]
 
 
+@pytest.mark.thorough
 def test_the_requirement_at_the_end_of_the_flight_is_of_the_vehicle_frozen_as_it_is_then() -> None:
     made, laws = flight(flexible=False), autopilot(sample_rate=25.0)
     gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0)

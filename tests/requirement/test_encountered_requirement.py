@@ -376,6 +376,7 @@ def test_a_direction_says_which_sign_a_flight_meets(blows_from, own) -> None:
         request.sizing(replace(plan, sign=own))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gust_speed", usual([None, 10.0], 1))
 def test_dispersed_studies_with_a_gust_are_studies_of_their_cases(gust_speed) -> None:
     """Each is a march of its own; a gust by its speed [m/s] is too."""
@@ -401,6 +402,7 @@ def test_dispersed_studies_with_a_gust_are_studies_of_their_cases(gust_speed) ->
         assert needed == pytest.approx(single.required_deflection, rel=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("duration", "calm", "head"),
     usual(
@@ -444,6 +446,7 @@ def test_three_modes_in_the_air_met_need_the_least_of_all_control(configuration_
     assert needs == pytest.approx(minimum, rel=5e-4)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("dead_band", usual([0.5, 0.25, 0.4], 0))
 def test_after_trim_the_slow_mode_needs_the_least_of_all_control(configuration_i, dead_band):
     """As before; the linear program's trim is level in a quarter of a second."""

@@ -239,6 +239,7 @@ def ascent_and_sounding(seed: int, folder: Path) -> tuple[tv.FlightSchedule, tv.
     return tv.load_schedule(file), tv.WindProfile(height=height, east=east, north=north)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", usual([*range(40), 118, 190, 383], 12, 33, 40, 42))
 def test_a_sounding_flies_with_what_the_ascent_through_it_requires(
     seed: int, tmp_path: Path

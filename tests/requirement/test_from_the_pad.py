@@ -22,6 +22,7 @@ def flight(tmp_path_factory):
     return tv.load_schedule(write(tmp_path_factory.mktemp("pad") / "pad.csv"))
 
 
+@pytest.mark.thorough
 def test_a_row_that_stands_still_is_left_out_and_said(flight) -> None:
     assert flight.span == (0.5, 122.0)
     assert flight.notes == ("the vehicle does not move before line 2, after which it begins",)
@@ -43,6 +44,7 @@ def costates(flight, model, times):
         yield y
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact", "drift-and-speed"], 1))
 def test_costate_and_reach_are_those_of_the_adjoint_equation(flight, model) -> None:
     """Also through the first seconds, in which two modes oscillate together."""
@@ -124,6 +126,7 @@ def test_the_whole_flight_needs_what_flights_along_it_need(flight) -> None:
     assert diverge(flight, encountered.wind, need * np.array([0.95, 1.02])) == [True, False]
 
 
+@pytest.mark.thorough
 def test_flights_decide_after_a_while_in_which_two_modes_are_a_pair(flight) -> None:
     """They are a pair until 19 s; then a limited flight drifts further than one in trim."""
     wind = tv.RectangularWind(peak=np.radians(4.0), duration=20.0)
@@ -165,6 +168,7 @@ ARMS = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "middle"),
     usual([("stable at first", t) for t in (22.0, 23.4, 24.0, 25.5)], 1)

@@ -47,6 +47,7 @@ def test_times_far_apart_are_divided_first_so_that_a_peak_between_them_counts() 
     assert refined([45.0, 100.0], total)[1] == pytest.approx(1.05, rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_of_two_maxima_the_lower_listed_one_may_be_the_higher_between() -> None:
     def total(t: float) -> float:
         return float(np.exp(-(((t - 55.0) / 4.0) ** 2)) + 1.1 * np.exp(-(((t - 82.5) / 6.0) ** 2)))
@@ -90,6 +91,7 @@ def test_a_limit_that_is_sufficient_at_listed_times_alone_is_not_sufficient() ->
         elsewhere.total(case, listed)
 
 
+@pytest.mark.thorough
 def test_a_gust_on_a_jet_requires_most_where_it_meets_the_shear_between_listed_times() -> None:
     """Between 60 and 65 s, though the total in the middle of either interval is lower."""
     speed = np.array([0.0, 20.0, 25.0, 45.0, 52.0, 40.0, 28.0, 20.0, 10.0])

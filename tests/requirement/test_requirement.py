@@ -80,6 +80,7 @@ def test_a_long_wind_needs_the_minimum_over_both_poles_and_more_after_trim(confi
         assert tv.survivable_peak(plant, wind, 0.5 * need, dead_band) == pytest.approx(0.5 * PEAK)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("aerodynamic_arm", usual([None, -7.0], 1))
 def test_an_effector_ahead_of_the_centre_of_gravity_needs_about_as_much(
     configuration_i, aerodynamic_arm
@@ -102,6 +103,7 @@ def test_an_effector_ahead_of_the_centre_of_gravity_needs_about_as_much(
     assert flown.status.tolist() == ["survived"] * 3
 
 
+@pytest.mark.thorough
 def test_a_band_of_losses_above_a_limit_that_survives_is_not_stepped_over():
     vehicle = tv.Vehicle(
         weight=2.5183e6,
@@ -209,6 +211,7 @@ def test_a_complex_pair_needs_trim_without_a_limit_and_never_nothing(configurati
         tv.closed_loop_boundary(plant, tv.TrimLaw(tv.Plant(plant.coefficients, "fixed-path")), wind)
 
 
+@pytest.mark.thorough
 def test_a_pair_that_flies_survives_with_what_is_required(configuration_i):
     """The nonlinear equations, in winds so weak that they are linear, and not much below it."""
     for velocity in (80.0, 110.0):
@@ -454,6 +457,7 @@ def agreement(seed, model, dead_band, count=12):
 MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
 
 
+@pytest.mark.thorough
 @drawn(3, 40, st.integers(0, 2**32 - 1), st.sampled_from(MODELS))
 def test_frozen_and_varying_requirements_are_the_same(seed, model):
     """With K = 1 of all models, winds and both arms; the bound without a forecast stands alone."""

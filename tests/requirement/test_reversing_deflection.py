@@ -60,6 +60,7 @@ def moments(mode, times):
     return np.array(of_b)[::-1], np.array(of_w)[::-1]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("middle", [3.2, 3.7])
 def test_no_control_needs_less_where_the_effect_of_a_deflection_reverses(mode, middle):
     wind = WIND.shift(middle - 0.5 * WIND.duration)

@@ -254,6 +254,7 @@ def test_a_sounding_has_its_own_wind_triangle_in_both_planes(plane) -> None:
         assert ratio[0] == pytest.approx(pressure, rel=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("levels", usual([np.arange(0.0, 31e3, 1e3), np.arange(0.0, 31e3, 3e3)], 1))
 def test_a_gap_between_levels_leaves_a_sufficient_limit_unknown(flight, levels) -> None:
     """A smaller limit is insufficient with either; only gaps at the flight times count."""
@@ -274,6 +275,7 @@ def test_a_gap_between_levels_leaves_a_sufficient_limit_unknown(flight, levels) 
     assert verdicts == [None if has_gaps else True, False]
 
 
+@pytest.mark.thorough
 def test_a_requirement_that_a_wind_before_the_gust_sets_is_noted(flight) -> None:
     """At late flight times the gust on a sounding does not count, and its rows are the same."""
     height = np.arange(0.0, 49e3, 1e3)

@@ -95,6 +95,7 @@ def test_a_sounding_is_never_sized_for_less_than_any_one_direction_of_it(flight)
                 assert np.all(sizing.required[name] >= norm(pitch[name], yaw[name]) * (1 - 1e-12))
 
 
+@pytest.mark.thorough
 def test_the_rectangle_is_the_least_that_holds_its_corners() -> None:
     """By bisection on whether each corner is inside the grown shape."""
     cross = tv.boundary.Cluster([tv.boundary.ClusterEngine(at=1, state="centred")] + [

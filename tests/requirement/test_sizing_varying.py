@@ -297,6 +297,7 @@ ONE_CHANGE, TWO_CHANGES, LATE_CHANGE = (
 )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("arm", "time", "angle"),
     [
@@ -416,6 +417,7 @@ def test_a_gust_behind_one_from_the_other_side_requires_what_flights_need(before
         assert 0.5 < said / bound < 0.98
 
 
+@pytest.mark.thorough
 def test_slower_modes_are_noted_where_a_control_survives_with_less_than_the_minimum(
     configuration_i,
 ) -> None:

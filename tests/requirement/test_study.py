@@ -139,6 +139,7 @@ def test_one_pole_is_doubted_in_a_long_wind_unless_both_were_flown(
     assert doubt not in _notes(configuration_i, 60.0, 1.0, "drift-exact")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "changes", usual([{"velocity": 45.0, "attitude": 1.5}, {"aerodynamic_arm": -2}], 1)
 )

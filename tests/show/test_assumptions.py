@@ -56,6 +56,7 @@ def test_a_rate_that_theory_or_autopilot_exceeds_is_not_marked_as_holding(
     assert check_of(answers, "The boundary does not count the rate limit").state == state
 
 
+@pytest.mark.thorough
 def test_a_mode_that_is_unstable_near_its_frequency_is_a_doubtful_assumption(tmp_path) -> None:
     """A mode at 0.95 of the notch is unstable at 1.126 of its frequency, at the notch at 1.069."""
     answers = findings("", tmp_path)

@@ -86,6 +86,7 @@ def test_the_report_s_control_has_its_exact_response() -> None:
     np.testing.assert_array_equal(result.deflection, constant(result.time))
 
 
+@pytest.mark.thorough
 def test_what_did_not_change_is_not_computed_again(few: None) -> None:
     start = {"peak": 1.776, "model": "fixed-path", "dead_band": 0.5, "design": OWN}
     answer(moved(**start))
@@ -282,6 +283,7 @@ def test_bad_combinations_are_one_sentence_in_the_panel(panel: Any) -> None:
     panel.controls["peak"].value = peak
 
 
+@pytest.mark.thorough
 def test_what_is_idle_is_greyed_and_says_why(panel: Any) -> None:
     panel.controls["design"].value = "canonical"
     assert panel.controls["alpha_gain"].disabled
@@ -365,6 +367,7 @@ def test_a_study_is_never_written_over(
     assert (tmp_path / "study-configuration-i.toml").read_text() == "mine"
 
 
+@pytest.mark.thorough
 def test_a_vehicle_that_bends_or_is_known_by_coefficients_is_named_by_its_file(
     few: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -392,6 +395,7 @@ def test_a_study_that_cannot_be_written_is_one_sentence(
     assert "cannot be written: disk full" in panel.said.value
 
 
+@pytest.mark.thorough
 def test_a_panel_ends_only_the_jupyterlab_that_was_started_for_it(
     panel: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -116,6 +116,7 @@ def test_margins_says_of_the_file_what_the_panel_says(written: tuple[Answer, Pat
     assert there["delay_margin_s"] == pytest.approx(here.margins.delay_margin, rel=1e-9)
 
 
+@pytest.mark.thorough
 @every
 def test_fly_says_of_the_file_what_the_panel_says(
     written: tuple[Answer, Path], monkeypatch: pytest.MonkeyPatch

@@ -140,6 +140,7 @@ def test_too_few_cases_are_no_yes() -> None:
     assert "99.865 % of flights: cases must be at least 1705" in headline(result)
 
 
+@pytest.mark.thorough
 def test_every_answer_in_a_wind_whose_pressure_is_not_known_is_not_known() -> None:
     """On a path of 4 deg, which no head wind turns by 5 deg."""
     vehicle = tv.load_vehicle("configuration-i").replace(attitude=np.radians(4.0))

@@ -55,6 +55,7 @@ def values(html: str) -> dict[str, float]:
     return {name: float(value) for name, value in result}
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
 def test_the_page_holds_the_numbers_of_the_library(folder) -> None:
     pytest.importorskip("jinja2")

@@ -156,6 +156,7 @@ def test_the_whole_page_holds_the_section_and_what_went_in(page):
     assert "the autopilot alone" in section(findings, "assumptions").text
 
 
+@pytest.mark.thorough
 def test_gains_are_sought_once_for_all_parts_of_a_study(plan, monkeypatch):
     sought, seek = [], gain_designs.specified_autopilot
     monkeypatch.setattr(
@@ -215,6 +216,7 @@ def test_laws_are_flown_at_the_rate_that_is_asked_for(plan):
         assert f"sampled at {rate:g} Hz" in section(findings, "laws").text
 
 
+@pytest.mark.thorough
 def test_the_nominal_loop_is_no_change_and_unstable_changes_are_named_first(findings):
     off = findings.flexible.detuned
     nominal, *changes = off.changes

@@ -53,6 +53,7 @@ def test_all_files_are_written_and_told(names, everything):
         assert str(output / name) in result.output.replace("\n", "")
 
 
+@pytest.mark.thorough
 def test_no_temporary_file_is_left_and_none_is_empty(everything):
     output, _ = everything
 

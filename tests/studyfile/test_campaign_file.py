@@ -154,6 +154,7 @@ def test_an_output_that_the_nominal_vehicle_does_not_have_is_named(tmp_path):
     assert results.complete
 
 
+@pytest.mark.thorough
 def test_a_wind_that_changes_its_sign_is_the_status_of_its_cases_alone(ensemble):
     folder, _, angle = ensemble
     tables = {"campaign": HEAD | {"cases": 60}, "wind": {"file": "winds.csv"}}

@@ -607,6 +607,7 @@ def test_a_boundary_in_one_minus_cosine_is_that_of_its_samples() -> None:
     assert "one-minus-cosine wind of 5 deg and 7.5 s" in result.output
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "factor"), [("normal_force_slope", 1.1), ("velocity", 0.9)])
 def test_a_vehicle_that_its_flight_contradicts_is_noted(tmp_path, name, factor) -> None:
     """The number is named; differences of a few percent, as of tables, have no note."""

@@ -53,6 +53,7 @@ def test_the_triangle_in_closed_form_and_by_quadrature():
     assert computed == pytest.approx(p * complex(*parts) / 0.08, abs=2e-8)  # of quad: 1.5e-8
 
 
+@pytest.mark.thorough
 def test_the_peak_is_that_of_the_vector():
     across = PlaneWind(pitch=GUST, yaw=0.75 * GUST.shift(3.0))
     t = np.linspace(0.0, 11.0, 20001)

@@ -256,6 +256,7 @@ def mutated(draw):
     return content
 
 
+@pytest.mark.thorough
 @settings(max_examples=200, deadline=None)
 @given(
     content=st.one_of(mutated(), st.binary(max_size=200)),
