@@ -81,9 +81,10 @@ class BoxResult:
 
     @property
     def satisfied(self) -> bool:
-        """Whether the worst margins satisfy the criteria, as far as they are known.
+        """Whether the loop is stable and its margins satisfy the criteria throughout the box.
 
-        A criterion whose margin is not computed in a box does not count.
+        The box: numbers that may lie anywhere between two values. A criterion whose margin is not
+        computed in a box does not count.
         """
         return self.worst.stable and all(
             self.worst.margins[criterion.margin].value >= criterion.limit

@@ -362,7 +362,7 @@ class _RequiredRates:
         `at`: deflection with which they are required, in words.
         """
         theory = None if self.theory is None else self.theory.required_rate
-        # required rate [rad/s] by law, none of the theory; a rate of None is not known
+        # required rate [rad/s], None if not known, by law; theory, of any law, has an empty name
         rates = {f"the {AUTOPILOT}, flown,": self.autopilot, "": theory}
         return "; ".join(
             _rate_text(rate, self.at, law) for law, rate in rates.items() if rate is not None

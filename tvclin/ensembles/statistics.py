@@ -203,7 +203,8 @@ def covers_quantile(
     for value in (np.inf, 0.0):
         sample = np.where(unknown, value, required)
         quantile = quantile_bound(sample, probability, confidence)
-        # the upper end of this interval may refuse a limit where the sample is too small
+        # where the sample is too small for an upper bound, a limit is still refused if its
+        # probability of success, by the upper end of its interval, is below `probability`
         success = success_probability(int(np.sum(covers(limit, sample))), sample.size, confidence)
         verdicts.add(quantile.covered(bool(covers(limit, quantile.upper)), success))
     return verdicts.pop() if len(verdicts) == 1 else None

@@ -109,7 +109,11 @@ class FlownTradeOff(Shown):
 
     @property
     def notes(self) -> Iterator[str]:
-        """Notes on the flights of the table."""
+        """Notes on the flights of the table.
+
+        `cuts`: number of sudden ends of the wind at which a law is flown as well. `survives`:
+        whether each law does with the nozzle, None if not known.
+        """
         stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOP_WORDS[self.cuts]
         yield (
             f"laws fly the whole wind, and {stops}; trim and recoverable-attitude are designed anew"

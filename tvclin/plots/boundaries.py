@@ -527,7 +527,7 @@ def _panel(
         flown_at = frozen if flown_by == engine else along
         limits = [flown_limit(name, tau_beta, K, engine=flown_by) for tau_beta in flown_at.tolist()]
         limits_of[_flown(flown_by)] = _at(x, flown_at, limits)
-    for label, (plane, peak) in ALONG.items():
+    for label, (plane, peak) in ALONG.items():  # plane and peak angle [rad] of each wind
         limits = [
             flown_limit(name, tau_beta, K, plane=plane, peak=peak, along=True)
             for tau_beta in along.tolist()

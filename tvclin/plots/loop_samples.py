@@ -241,7 +241,10 @@ def title(name: str, samples: LoopSamples, more: str = "") -> str:
 
 
 def decisive_frequencies(margins: Margins) -> FloatArray:
-    """Return the frequencies [rad/s] of aero, gain-increase and phase margin that exist."""
+    """Return the frequencies [rad/s] of the gain margins down and up and the phase margin, if any.
+
+    The gain margin down, by which the gain may fall, is named aero margin.
+    """
     frequencies = (
         margins.aero_frequency,
         margins.gain_increase_frequency,

@@ -261,12 +261,12 @@ class CaseRequirement:
         if limit is None:
             return {"sufficient": None, "survivable_peak": None}
         if self.beyond_linear:
-            # `judged` of the largest wind of this shape for which anything is known
+            # the peak is that of the largest wind of this shape within linear aerodynamics
             size = MAX_LINEAR_ANGLE / self.wind_angle
             linear = replace(self.case, wind=self.placed.scaled(size))
             judged = case_requirement(linear, self.dead_band).judged
             return judged | {"sufficient": None}
-        if self.unknown:
+        if self.unknown:  # the requirement at the pressure in the wind, at least the nominal one
             sufficient = None if covers(limit, needed) else False
             return {"sufficient": sufficient, "survivable_peak": None}
         # factor on the wind that the limit survives, if the requirement is in proportion to it

@@ -414,8 +414,8 @@ def _proved(
         fits = np.ones(p.shape, dtype=bool)
         for sign in (-1.0, 1.0):
             # Ends of the interval of c, the constant deflection up to T, with the demand d of p:
-            # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p. It meets c (1 - e^(-s T))/s of the other
-            # demands; the rest of them, over e^(-s T), is the demand of a deflection from T on.
+            # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p. Up to T it does c (1 - e^(-s T))/s of the
+            # other demands; the rest of them, over e^(-s T), is for a deflection from T on.
             c = (p * np.real(demands[:, 0]) + sign * peak * died) / (1.0 - died)
             with np.errstate(all="ignore"):  # what is no number is not proved
                 done = c[:, np.newaxis] * (1.0 - propagated) / others

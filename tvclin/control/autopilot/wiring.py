@@ -251,12 +251,13 @@ def law_blocks(
     sensed: tuple[str, str],
     period: FloatArray | None = None,
 ) -> list[LinearSystem]:
-    """Return the blocks of a law's states and filters: sensors to `LAW_INPUTS`, output to command.
+    """Return the blocks of a law: filters of its sensors, its states, filters of its command.
 
-    `chains`: filters of attitude, rate and command, by the names `CHAINS`. `states`: the law's
-    states, driven by `LAW_INPUTS`. `sensed`: names of attitude and attitude rate before the
-    filters. `period` [s]: with it all blocks are difference equations: filters by the bilinear
-    rule, each exact at its own frequency, the law's states with a zero-order hold on their inputs.
+    `chains`: filters of attitude, rate and command, by the names `CHAINS`. `states`: state space of
+    the law, driven by `LAW_INPUTS`, the filtered signals and the other measurements. `sensed`:
+    names of attitude and attitude rate before the filters. `period` [s]: with it all blocks are
+    difference equations: filters by the bilinear rule, each exact at its own frequency, the law's
+    states with a zero-order hold on their inputs.
     """
     # Signals ahead of and behind the filters of attitude, rate and command.
     attitude, rate = sensed

@@ -388,7 +388,8 @@ class Availability(Tabled):
         lower bounds of the required deflections.
         """
         times = self.soundings.times[which]
-        season = (12 * self.soundings.years + self.soundings.months)[which]  # each month by itself
+        # number of the month of each sounding: correlation is sought within a month alone
+        season = (12 * self.soundings.years + self.soundings.months)[which]
         flown = np.nan_to_num(self._flies(limit), nan=unknown)
         rows = zip(np.atleast_2d(flown), np.atleast_2d(self.lower), strict=True)
         return self._by_azimuth(

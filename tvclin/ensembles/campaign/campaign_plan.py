@@ -62,9 +62,10 @@ class SoundingEnsemble(WindEnsemble):
 
     @classmethod
     def of(cls, soundings: Sequence[MeasuredWind]) -> Self:
-        """Return the ensemble of soundings, each of `fly_through` for one plane, without a gust.
+        """Return the ensemble of n winds that a flight encounters in one plane, ``(n,)``.
 
-        `InputError` for no sounding, another type, and a sounding with a gust.
+        `soundings`: these winds, as `fly_through` returns them. Their angles [rad] are interpolated
+        at the times of all. `InputError` for no wind, another type, and a wind with a gust.
         """
         winds = errors.each("soundings", soundings, MeasuredWind, "see fly_through")
         if not winds:

@@ -154,10 +154,11 @@ class CampaignSummary(Shown):
 
     @property
     def pressure(self) -> str:
-        """The dynamic pressure at which the output is computed, in words.
+        """The dynamic pressure at which the output is computed, in words: nominal or encountered.
 
-        A requirement is at the encountered one, and so is each output along a flight; a wind across
-        the path alone, at a single time, is at the nominal one.
+        A requirement is at the encountered one, and so is each output along a whole flight
+        (`along`); a wind across the path alone, at a single time, is at the nominal one. `sign`:
+        head or tail, `FROZEN` for the nominal pressure, None for the worse of both.
         """
         plan = self.results.campaign
         encountered = self.output.startswith(REQUIRED) or plan.along is not None

@@ -265,15 +265,16 @@ def flown_in_winds(
 
     `stages`: matrices of the loops at their samples, and winds. `which`: index of the wind of each
     flight, ``(m,)``. `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s], ``(m,)``.
-    `track`: whether the samples of a single flight are recorded. A flight that survives in a limit
-    cycle, as the loop at its end is unstable (`unstable_loops`), is marked by `rings`.
+    `track`: whether the samples of a single flight are recorded. A flight that survives, but with
+    an unstable loop at its end, goes on in a limit cycle: its status is "rings".
     """
     batch = stages.batch(which, limit, rate_limit)
     f = stages.flights(batch, track=track)
     with repeated(SIMILAR_RUNS):  # similar runs, which decide between compiled and plain code
         finish(f, batch.laws)
         rings = unstable_loops(batch, f)
-    return flown_cases(f, np.ones(limit.size, bool), rings), f
+    possible = np.ones(limit.size, bool)  # every case is flown
+    return flown_cases(f, possible, rings), f
 
 
 def fly_together(

@@ -138,7 +138,10 @@ def _continuation(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
     None if it cannot go on. `pair`: flights in pitch and in yaw, undecided at the present end.
     """
     stops = [along.further.stop for along in pair if along.further is not None]
-    return [replace(along, stop=max(stops), goes_on=False) for along in pair] if stops else None
+    if not stops:
+        return None
+    # the later end is the last one: no flight goes on after it
+    return [replace(along, stop=max(stops), goes_on=False) for along in pair]
 
 
 def _flight_in_planes(

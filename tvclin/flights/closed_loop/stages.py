@@ -115,8 +115,9 @@ class Stages:
     @cached_property
     def times(self) -> FloatArray:
         """Times of the samples [s], the end of each flight included, ``(n,)``, flight by flight."""
-        numbers = np.arange(self.flight.size) - self.first_sample[self.flight]
-        return np.asarray(self.starts[self.flight] + self.period * numbers)
+        flight = self.flight  # index of the flight of each sample
+        sample = np.arange(flight.size) - self.first_sample[flight]  # number within its flight
+        return np.asarray(self.starts[flight] + self.period * sample)
 
     @cached_property
     def flight(self) -> IntArray:
