@@ -285,7 +285,7 @@ class Tabled(Shown):
         return self._columns().csv(path)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return all numbers as an `xarray.Dataset` in SI units, which stand beside each variable.
+        """Return all numbers as an `xarray.Dataset` in SI units, which its variables name.
 
         Raises
         ------

@@ -362,16 +362,16 @@ class LoadLimits:
     def at(self, load: float) -> tuple[float, float, float]:
         """Return limit [rad], its lower bound [rad] and slope at a load bound `load` [rad].
 
-        The slope is the decrease of the bound (`_proved`) per load. Programs on finer nodes are
-        solved until the gap is small; a mixture of their controls attains the limit, else infinite.
+        The slope is the decrease of the lower bound per load. Programs on finer nodes are solved
+        until the gap is small. The limit is the peak of a weighted mean of two computed controls,
+        with more and with less load; infinite without one with less.
         """
         if load < self.load_floor:
             return np.inf, np.inf, np.nan
         for program in (self.program, self.dense_program):
             if self._refine(load, program) and np.isfinite(self._attained(load)):
                 break
-        # A mixture requires a control of less load. If there is none yet: controls of minimum load,
-        # with peaks up to multiples of the proved bound.
+        # without a control of less load: of minimum load, with peaks up to multiples of the bound
         for multiple in _PEAKS_OVER_PROOF:
             program = self.dense_program
             for _ in range(2):

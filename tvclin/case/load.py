@@ -103,7 +103,9 @@ class LoadBound:
         return (self.deflection_moment or 0.0) / (self.alpha_moment or 1.0)
 
     def at_pressure(self, ratio: float) -> Self:
-        """Return the load limit at another dynamic pressure; an angle stays as it is.
+        """Return the load limit at another dynamic pressure; an angle, `load`, stays as it is.
+
+        The angle of `q_alpha`, and of a moment with the slope `alpha_moment`, falls with pressure.
 
         Parameters
         ----------

@@ -196,10 +196,10 @@ class Surface:
     def write(self, name: str, part: Any, factors: FloatArray, out: FloatArray) -> None:
         """Write values of the array `name` at m points of x, y and z into `out`, ``(m, ...)``.
 
-        They are the values at the first Chebyshev point, plus factors times the rows of `table`:
-        differences of the other points' values from these, and slopes in z. `part`: index of the
-        elements of an array that are written; ... for all. `factors`: result of the method
-        `factors` for the m points, ``(m, 2 points)``.
+        They are the values `first` at one Chebyshev point plus `factors` times `table`, whose rows
+        are differences of the values at all points from these, then slopes in z at all points.
+        `part`: index of the elements of an array that are written; ... for all. `factors`: result
+        of the method `factors` for the m points, ``(m, 2 points)``.
         """
         table = self.table[name][:, part]
         values = factors @ table.reshape(len(table), -1)  # of the flattened elements

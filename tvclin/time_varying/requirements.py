@@ -314,13 +314,12 @@ def varying_requirement(
     peaks, limit, time = _peaks_and_exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(fastest_minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
-    # a constant limit may drive the vehicle in either direction where unstable modes are a pair at
-    # any step, or the moment or the effect of the deflection changes its sign: then trim must never
-    # exceed K times the limit
+    # the limit with which trim never exits the dead band: no more is required
+    trim_over_band = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
+    # it is required where a constant limit may drive the vehicle in either direction: unstable
+    # modes are a pair at any step, or the moment or the effect of the deflection changes its sign
     without_exit = np.any(paired, axis=(1, 2)) | equations.reverses
-    with np.errstate(divide="ignore", invalid="ignore"):
-        within_dead_band = np.where(without_exit & (trim > 0.0), trim / dead_band, 0.0)
-        highest = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
+    within_dead_band = np.where(without_exit & (trim > 0.0), trim_over_band, 0.0)
     if dead_band == 1.0:
         limit, time = trim_and_demand.limit_of_trim_law(paired)
         required = np.maximum(limit, minimum)
@@ -329,7 +328,7 @@ def varying_requirement(
                 motion, winds, encountered, trim_and_demand, limit, minimum
             )
     else:
-        required = np.minimum(np.maximum(limit, within_dead_band), highest)
+        required = np.minimum(np.maximum(limit, within_dead_band), trim_over_band)
         required = np.maximum(required, minimum)
     required = np.where(has_real_mode, required, within_dead_band)  # a pair alone, or stable
     required = np.where(np.isnan(trim), np.nan, required)
@@ -624,8 +623,8 @@ class SteppedWinds:
     def survive(self, limit: FloatArray, high: FloatArray, bound: FloatArray) -> BoolArray:
         """Return whether flights in n winds survive from `limit` to `high` [rad], ``(n,)``.
 
-        Limits are tried in relative steps: of `FINE` from `limit` until they exceed a `bound` [rad]
-        of what is required, or `limit` itself, by `AHEAD`, and of `STRIDE` from there on.
+        Limits are tried in relative steps: of `FINE` from `limit` up to the fraction `AHEAD` above
+        the lower of `limit` and `bound`, a bound [rad] of the requirement; then of `STRIDE`.
         """
         from tvclin.flights.closed_loop.survival_limit import AHEAD, FINE, STRIDE
 

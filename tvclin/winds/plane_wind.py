@@ -200,7 +200,7 @@ class PlaneWind:
         """Whether the wind vector stays on one line, shape ``batch``.
 
         It does if all coefficients of pitch and yaw, on the same knots and rates, have the ratio
-        of `direction`, which the component across that line shows to be zero.
+        of `direction`: then the component across that line is zero.
         """
         pitch, yaw = self._terms
         line = unit_vector(self.direction)[..., np.newaxis]

@@ -184,11 +184,10 @@ class RateProgram:
     ) -> Any:
         """Return the result of minimum peak, rate or total motion (`aim`); None if infeasible.
 
-        The variables, over `unit`, are the deflections at all nodes but the first, their changes up
-        and down in each interval, and the peak, in place of which the minimum rate has the rate
-        times the last node. `peak`: bound of the last one. With a solution `around`, the result is
-        1e8 times the change from it, each variable of it within `max_change`. Where the simplex
-        method fails, the interior point method is tried.
+        The variables, over `unit`: deflections at all nodes but the first; their changes up, and
+        down, in each interval; and the peak, or for the minimum rate the rate times the time of the
+        last node. `peak`: bound of this last variable. `around`: a solution to be corrected; the
+        result is then the change from it times `_RESIDUAL_SCALE`, within `max_change`.
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
@@ -210,7 +209,7 @@ class RateProgram:
             )
         cost = np.zeros(3 * count + 1)  # of the changes, or of the last variable
         cost[slice(count, -1) if aim == _MOTION else -1] = 1.0
-        for method in ("highs", "highs-ipm"):
+        for method in ("highs", "highs-ipm"):  # interior points where the simplex method fails
             result = linprog(
                 cost, below, upper, equal, right, np.column_stack([lowest, highest]), method=method
             )

@@ -167,7 +167,7 @@ class CovarianceHistory(GaussianOutputs):
         return float(beyond / (self.times[-1] - self.times[0]))
 
     def probability_of_none(self, limit: float, output: str = DEFLECTION) -> float:
-        """Return the probability that the output stays within +-limit: exp(-crossings).
+        """Return the probability that the output stays within +-limit: e^-(expected crossings).
 
         It is right where crossings are rare and independent, and low where they come in clusters.
         `InputError` for an unknown output, one that jumps, and a limit that is not positive.

@@ -268,10 +268,11 @@ class CampaignSummary(Shown):
             if probability is not None
         ]
         if flights is not None:
-            rows.append(
-                ("flights", (f"{flights[0]} {survival(True)}, {flights[1]} {survival(False)}",))
-            )
-            rows.append(("loss is driven by", (self._driven(*flights),)))
+            survived, losses = flights  # numbers of flights
+            rows += [
+                ("flights", (f"{survived} {survival(True)}, {losses} {survival(False)}",)),
+                ("loss is driven by", (self._driven(survived, losses),)),
+            ]
         rows.append(("dynamic pressure", (self.pressure,)))
         if self.trusts_a_forecast:
             rows.append(("this dead band", ("trusts a forecast of the wind; K = 1 needs none",)))
