@@ -83,11 +83,11 @@ class ExitProblem:
         limit as the driver returns to an earlier height, and `switches.UNREACHED` where it stays
         above the driver, so that the dead band has no exit.
         """
-        # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter. `longer`:
-        # factor of the filter on the computing time
+        # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter
         winds, which, numbers = self._arrays
         out = np.empty((3, which.size))
-        self._run(switches.switches, winds, which, numbers, literal, out, longer=self._filtering)
+        arrays = (winds, which, numbers, literal, out)
+        self._run(switches.switches, *arrays, time_factor=self._time_factor)
         time, demand, status = out.reshape(3, *self.shape)
         return time, demand, status
 
@@ -102,8 +102,7 @@ class ExitProblem:
         selected = np.flatnonzero(cases)
         out = np.empty(selected.size)
         arrays = (winds, which[selected], numbers[selected], out)
-        # `longer`: factor on the run time, above one where trim is the filtered wind
-        self._run(switches.largest_trims, *arrays, longer=self._filtering)
+        self._run(switches.largest_trims, *arrays, time_factor=self._time_factor)
         trims.ravel()[selected] = out
         return trims
 
@@ -140,26 +139,27 @@ class ExitProblem:
         return winds, which, np.stack(columns, axis=-1)
 
     @property
-    def _filtering(self) -> int:
-        """Factor on the estimated time of the kernel; one where trim is proportional to the wind.
+    def _time_factor(self) -> int:
+        """Factor on the estimated run time of a kernel, above one where trim is a filtered wind.
 
-        The filter from wind to trim then has coefficients of zero (columns 2 on of the parameters).
-        Else the factor is larger for a wind with complex coefficients than with real ones.
+        It is larger for a wind with complex coefficients than with real ones. On a fixed path trim
+        is proportional to the wind: the coefficients of the filter are zero.
         """
-        (_, coefficients, _), _, numbers = self._arrays
-        return switches.FILTERED[coefficients.dtype.kind] if np.any(numbers[:, 2:]) else 1
+        (_, wind_coefficients, _), _, parameters = self._arrays
+        is_filtered = np.any(parameters[:, 2:])  # behind the pole and K
+        return switches.FILTERED[wind_coefficients.dtype.kind] if is_filtered else 1
 
     def _run(
-        self, function: Any, winds: Any, which: IndexArray, *arrays: Any, longer: int = 1
+        self, function: Any, winds: Any, which: IndexArray, *arrays: Any, time_factor: int = 1
     ) -> None:
         """Run a kernel `function` over n cases, compiled if that is faster.
 
         `winds`: pieces of the winds: knots, coefficients and exponential rates. `which`: index of
         the wind of each case, ``(n,)``. `arrays`: its further arguments, ``(n, ...)``, the last of
-        which it writes. `longer`: its time over that without a filter from the wind to trim.
+        which it writes. `time_factor`: its time over the time without a filter of trim.
         """
         knots, _, rates = winds
-        terms = longer * knots.shape[-1] * rates.shape[-1] * which.size
+        terms = time_factor * knots.shape[-1] * rates.shape[-1] * which.size
         # estimated run time, which decides between compiled and plain code
         seconds = (switches.PLAIN * terms, switches.COMPILED * terms)
         run(function, (winds, which, *arrays), which.size, *seconds)

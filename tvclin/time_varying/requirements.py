@@ -559,11 +559,12 @@ class SteppedWinds:
         """
         steps, costates_and_reaches, _onset = self._columns()
         for modes in self.equations.modes:
+            # equations that are common to all winds have their modes in all
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
             end_of_cases = costates_and_reaches[cases]
-            # a single mode, on which the effect p.b of a deflection reverses: the largest control
-            # reach is that of a deflection with the sign of p.b
+            # a single mode is here because the effect p.b of a deflection on it changes its sign:
+            # the largest control reach is of a deflection with the sign of p.b, in place of R
             if modes.poles.shape[1] == 1:
                 reach = np.broadcast_to(self.equations.absolute_reach, len(path))[cases]
                 end_of_cases = np.append(end_of_cases[:, :-1], reach[:, np.newaxis], axis=-1)

@@ -84,7 +84,7 @@ class LawBatch:
         and filters they are empty, one for all. `lengths`: step of each flight [s], ``(m,)``.
         """
         # a batch of gains has no `laws`: its single system is the integral of the attitude, if any
-        # has a gain on it, which is `first_state`
+        # has a gain on this first state
         integral = any(law is not None and law.first_state for law in self.numbers)
         systems = [law.state_space for law in self.laws] or [attitude_integral(integral)]
         which = self.which if self.laws else np.zeros(lengths.size, np.int64)
