@@ -158,6 +158,7 @@ def _complaint(one: Field, name: str, value: object) -> str:
     return name
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", EACH)
 def test_a_field_takes_a_value_or_says_in_one_sentence_what_is_wrong(kind: type) -> None:
     for name, one in parameters(kind).items():

@@ -203,6 +203,7 @@ def test_a_wind_that_is_larger_throughout_never_needs_less(seed):
         assert minimum <= most * (1.0 + 1e-12)
 
 
+@pytest.mark.thorough
 @by_turns("reversal,seed", [0.05, 0.15, 0.3, 1.0], [0, 3, 5, 7, 8], each=4)
 def test_a_reversal_is_reserved_for(seed, reversal):
     """With z above y - R a reversal instead of a stop would be lost, and z begins at zero."""

@@ -90,6 +90,7 @@ def test_each_plane_for_itself_leaves_the_square_inside():
     assert SquareShape().each_plane().gauge(AROUND) == pytest.approx(SquareShape().gauge(AROUND))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stop", [*STOPS, cluster([0], stop=EllipticShape(1.0, 0.5))])
 def test_an_inscribed_polygon_is_never_more_than_the_shape(stop):
     around = unit(np.arange(0.0, 360.0, 13.3))

@@ -160,6 +160,7 @@ def test_the_front_ends_at_the_minimum_of_appendix_c_and_its_load():
             assert front.set_by[-1] == "the minimum angle"
 
 
+@pytest.mark.thorough
 def test_the_least_load_is_the_jump_of_the_wind():
     wind = triangle(FIXED, 4.0)
     assert load_trade_off(FIXED, wind, [0.05]).minimum_load == 0.0

@@ -171,6 +171,7 @@ def test_scaling_sign_and_shift(factor, dt):
     assert np.sign(float(scaled.deflection.peak)) == -np.sign(float(best.deflection.peak))
 
 
+@pytest.mark.thorough
 def test_an_early_start_makes_up_for_a_slow_actuator():
     plant = fixed_path()
     with pytest.raises(InputError, match="rate_limit is too small"):

@@ -160,6 +160,7 @@ def test_a_state_is_recoverable_when_no_direction_forbids_it(poles):
     np.testing.assert_array_equal(inside[clear], out[clear] < 0.0)
 
 
+@pytest.mark.thorough
 @EACH_PAIR
 def test_the_edge_touches_the_tightest_direction(poles):
     angles = np.linspace(0.0, 2.0 * np.pi, 721)

@@ -127,6 +127,7 @@ def test_it_stops_when_converged(place, tmp_path):
         assert "256 of 600" in run(place / "my.toml", *keys, *folder).output
 
 
+@pytest.mark.thorough
 def test_a_folder_and_the_memory_hold_the_same(place):
     in_memory = json.loads(run(place / "my.toml", "--json").stdout)
     assert in_memory == json.loads(run(place / "results", "--json").stdout)
@@ -222,6 +223,7 @@ def test_bad_options_are_one_sentence(place, arguments, message):
     assert message in result.stderr
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("outputs", "words"),
     [

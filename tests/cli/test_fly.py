@@ -361,6 +361,7 @@ def test_a_flight_through_gaps_of_a_sounding_is_not_known_to_survive(tmp_path, e
 VARYING = ("--duration", 10, "--peak-deg", 6, "--engine", "planar-varying", "--limit-deg", 0.4)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("engine", usual(["planar-varying", "sixdof-varying"], 0))
 def test_a_flight_that_encounters_its_own_pressure_is_the_worse_of_head_and_tail_wind(engine):
     if engine.startswith("sixdof"):
@@ -465,6 +466,7 @@ def test_a_sounding_that_cannot_be_flown_is_one_sentence(arguments, said):
     assert said in result.output
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("plane", usual(["pitch", "yaw"], 0))
 def test_a_sounding_of_a_file_is_the_wind_of_one_time(tmp_path, plane):
     """As with --winds; a key of [sounding] counts for both."""

@@ -179,6 +179,7 @@ def test_a_velocity_above_that_of_escape_is_noted(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.thorough
 def test_a_closed_pipe_is_no_verdict() -> None:
     """With a reader that closes at once the exit code is 128 + SIGPIPE, as in other programs."""
     read, write = os.pipe()

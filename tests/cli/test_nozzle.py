@@ -323,6 +323,7 @@ def test_less_rate_never_has_a_better_answer(tmp_path, bound, vehicle, ratio, ye
         )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("limit", "rate", "yes"), usual([(0.6, 10.0, True), (0.25, 0.2, False), (0.3, 0.2, None)], 1, 2)
 )

@@ -195,6 +195,7 @@ def test_gains_that_lack_one_are_said_by_keys_where_keys_gave_them():
     assert "need --set autopilot.attitude_gain and --set autopilot.rate_gain_s, both" in error
 
 
+@pytest.mark.thorough
 def test_a_sounding_that_is_set_is_the_wind_in_place_of_the_pulse():
     sounding = ("--set", "wind.sounding", str(SOUNDING), "--azimuth-deg", "30")
     by_key = ran("respond", V, *sounding, "--limit-deg", "3", "--json")

@@ -130,6 +130,7 @@ def test_a_cutoff_leaves_less_turbulence(tmp_path: Path) -> None:
     assert 0.1 * rms[0] < rms[1] < 0.8 * rms[0]
 
 
+@pytest.mark.thorough
 def test_with_a_flight_the_altitude_is_that_of_the_time(tmp_path: Path) -> None:
     study = f'{STUDY}[schedule]\nsource = "configuration-i"\n[size]\nfrom_s = 66\nto_s = 66\n'
     answer = json.loads(run(tmp_path, 'severity = "severe"', "--json", study=study).stdout)

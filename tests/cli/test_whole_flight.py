@@ -454,6 +454,7 @@ def test_ascent_and_fly_in_both_planes_are_of_the_autopilot_flown_in_both(folder
     assert "angles are magnitudes of the vectors of both planes" in " ".join(document["notes"])
 
 
+@pytest.mark.thorough
 def test_the_autopilot_is_flown_at_a_single_flight_time(folder) -> None:
     words = (*PULSE, "--from", "60", "--to", "60", "--json")
     single = json.loads(run("ascent", folder / "study.toml", *words).stdout)

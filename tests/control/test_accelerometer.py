@@ -25,6 +25,7 @@ def flown(law, rate=100.0):
     return float(np.degrees(result.load))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("station", usual([-3.0, 0.0, 8.0], 2))
 def test_the_load_is_that_of_an_integration_of_the_forces(station):
     law = tv.control.AccelerometerLaw(GAINS, BOOSTER, station=station, bandwidth=30.0)

@@ -255,6 +255,7 @@ def test_detuned_modes_are_held_to_what_is_asked_of_modes():
     assert not result.satisfied[turned]
 
 
+@pytest.mark.thorough
 def test_the_edge_of_a_detuned_loop_is_where_its_mode_leaves_the_left_half_plane():
     loud = replace(AUTOPILOT, delay=0.07)
     result = tv.control.detuned(loud, booster(), factors=[0.8, 1.3])

@@ -166,6 +166,7 @@ def leans(law, model, count=20000, seed=4):
     return z - (u - z + k1[0] * wind) / law.gain, k1[0] * wind, wind, D
 
 
+@pytest.mark.thorough
 @EACH_MODEL
 @pytest.mark.parametrize("reach", [0.5, 0.9, 1.0])
 def test_it_never_leans_beyond_its_reach(model, reach):

@@ -243,6 +243,7 @@ def test_the_vehicle_moves_in_steps_as_it_does_between_them():
     np.testing.assert_allclose(state[:17], expected, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_batch_of_rates_and_delays_is_each_of_them():
     plant = booster()
     rates, delays = np.array([25.0, 25.0, 50.0]), np.array([0.02, 0.05, 0.02])
@@ -318,6 +319,7 @@ def test_a_mode_beside_half_the_sample_rate_grows_with_less_delay_than_phase_say
         assert (np.abs(loop.closed_loop_poles).max() < 1.0) == (part < 1.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("rate", [50.0, 5000.0])
 def test_a_delay_margin_of_thousands_of_samples_takes_little_memory(rate):
     """Half-relief gains also have a slow crossover, which only 1400 s of delay take to -1."""

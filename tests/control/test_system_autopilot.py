@@ -82,6 +82,7 @@ def test_filters_around_a_controller_are_those_around_gains(plant):
         _same_margins(one, other)
 
 
+@pytest.mark.thorough
 def test_a_continuous_flight_of_a_controller_is_that_of_the_gains(plant):
     gains, system = _autopilots()
     flight = {"deflection_limit": 0.02, "actuator": tv.Actuator()}

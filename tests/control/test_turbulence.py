@@ -315,6 +315,7 @@ def flight():
     return schedule, design(schedule.times, coefficients, tv.design_gains, **rule)
 
 
+@pytest.mark.thorough
 def test_along_a_flight_it_is_the_solution_of_the_differential_equation():
     schedule, gains = flight()
     air = tv.winds.Turbulence.mil_f_8785c("severe")

@@ -140,6 +140,7 @@ def test_a_path_that_stays_nominal_leaves_the_fixed_path_model():
     assert equal(attitude(), printed)
 
 
+@pytest.mark.thorough
 def test_the_linearised_pair_is_the_linear_part_of_the_force_equations():
     """Eq (before B5): first about any nominal flight, then with alpha_n = delta_n = 0."""
     pitch, path, steered, a_n = sp.symbols("T_n g_n d_n a_n")

@@ -96,6 +96,7 @@ def test_the_corrected_response_transforms_back():
     assert equal(-peak * transform(equation_b9()), MODEL * bracket)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", usual([(case,) for case in CASES], 1))
 def test_the_corrected_response_is_the_numerical_inverse_transform(case):
     """Eq (B9): corrected, equal to the inverse transform by Talbot's contour to 25 digits."""

@@ -72,6 +72,7 @@ def test_with_a_dead_band_nothing_is_proved():
     assert worst.deflection.method == "searched"
 
 
+@pytest.mark.thorough
 def test_the_worst_deflection_of_a_box_is_at_the_proved_corner():
     box = {
         "thrust": part("thrust", 0.05),

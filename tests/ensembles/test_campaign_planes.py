@@ -43,6 +43,7 @@ def of_case(plan, columns, case, **more):
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("model", "stop", "direction", "gust"),
     usual(

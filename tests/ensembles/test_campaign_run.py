@@ -461,6 +461,7 @@ def test_arrays_that_do_not_fit_are_no_fault_of_a_case(plan, monkeypatch):
         evaluate(replace(plan, outputs=("required",)), 0, 8)
 
 
+@pytest.mark.thorough
 def test_a_dataset_has_every_column_with_its_unit(whole):
     pytest.importorskip("xarray")
     table = whole.to_xarray()

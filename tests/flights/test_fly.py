@@ -466,6 +466,7 @@ def test_the_last_time_shows_what_it_shows_in_a_longer_flight():
     np.testing.assert_allclose(last, within, rtol=0, atol=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sample_rate", [None, 20.0])
 def test_a_flight_that_is_lost_is_not_flown_on_for_ever(sample_rate):
     options = {"deflection_limit": 0.1 * B * PEAK, "sample_rate": sample_rate}

@@ -148,6 +148,7 @@ def integrated(made, laws, alpha, ratio, end) -> float:
     return float(x[0])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("end", usual([54.0, 56.0], 0))
 @pytest.mark.parametrize("sign", usual(["head", "tail"], 0))
 def test_a_pulse_has_the_pressure_of_its_wind_triangle(sign, end) -> None:

@@ -210,6 +210,7 @@ def by_small_steps(which: int, rate: float, limit: float, until: float) -> tuple
     return theta, worst
 
 
+@pytest.mark.thorough
 @EACH_WAY
 @pytest.mark.parametrize("which", usual(range(1, len(HARDWARE)), 1))
 def test_limits_of_the_nozzle_are_flown_to_a_hundredth_of_a_percent(which, compiled):

@@ -117,6 +117,7 @@ def test_the_lean_follows_a_steady_rise_by_the_formula():
         assert lean / PEAK == pytest.approx(0.6 * (BETA * late / 40.0 + ahead), abs=1e-7)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("compiled", [False, True])
 def test_a_gain_is_that_of_many_flights_to_the_last_digit(compiled):
     from tvclin.kernels.choice import available, pinned

@@ -95,6 +95,7 @@ def test_a_small_deflection_history_gives_the_exact_linear_response(name, plane)
         assert error < 1e-4 * 1e-5  # of the wind: what is left is of the second order
 
 
+@pytest.mark.thorough
 @EACH_NAME
 @pytest.mark.parametrize(("K", "limit"), usual([(1.0, 0.68846), (0.5, 0.55876), (0.0, 0.37382)], 1))
 def test_without_drift_the_boundary_is_equation_12(name, K, limit):

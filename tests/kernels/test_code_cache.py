@@ -53,6 +53,7 @@ DAMAGE = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("damage", usual(DAMAGE, 0, 3))
 def test_damaged_machine_code_is_told_of_once_and_compiled_anew(folder, damage):
     wanted = as_another_process()(VALUES, 0.3)

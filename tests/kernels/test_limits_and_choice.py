@@ -45,6 +45,7 @@ def exact_12(p, K):
         return -mp.expm1(-s) / (p * (1 - K))
 
 
+@pytest.mark.thorough
 def test_the_boundary_is_exact_to_1e_15(cases):
     p, K = (a[::97] for a in cases)
     result = closed_forms.solve_triangular(p, K)

@@ -268,6 +268,7 @@ def test_values_are_the_sums_of_their_terms_on_every_piece():
     np.testing.assert_allclose(h(times), expected, rtol=1e-14, atol=1e-15)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "s", usual([0.0, 1e-9, 0.5, -0.3, 3.0, 20.0, 0.3 + 2j, -0.4 - 1j, 1e-7 + 1e-7j], 1, 4, 7, 8)
 )

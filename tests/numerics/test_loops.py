@@ -104,6 +104,7 @@ class Exact:
             yield abs(((d, n, (d - n) / 2)[kind]) / (n + d))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("count", usual([50, 150], 0))
 @pytest.mark.parametrize(("family", "rounding"), FAMILIES)
 def test_every_crossing_is_that_of_forty_digits(family, rounding, count):
@@ -203,6 +204,7 @@ def test_what_is_marginal_is_so():
     assert loop_margins(edge).status.tolist() == ["marginal", "marginal"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("family", "rounding"), FAMILIES)
 def test_a_loop_has_the_same_margins_alone_and_anywhere_in_a_batch(family, rounding):
     loop = family(600, seed=8)

@@ -341,6 +341,7 @@ def test_what_rises_for_ever_is_followed_as_far_as_asked():
     assert (computed, time) == (pytest.approx(2.0, rel=1e-13), 80.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("damping", [0.005, 0.05])
 def test_the_highest_of_many_swings_is_found(damping):
     """An oscillator in a wind of its own frequency, x'' + 2 d x' + x = sin t, which then stops.

@@ -74,6 +74,7 @@ def error_of(loop, omega, rise):
     return EPS * (solved + omega * (float(abs(rise)) + form.all_delays[0]))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("modes", [0, 1, 4, 8, 13])
 @pytest.mark.parametrize("delay", [0.0, 0.04])
 def test_every_crossing_is_that_of_thirty_digits(modes, delay):

@@ -37,6 +37,7 @@ def no_figure_stays_open():
     plt.close("all")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("draw", "name", "K"), FIGURES)
 def test_marks_of_figures_6_to_9_are_flights_at_the_same_limits(draw, name, K, engine):

@@ -58,6 +58,7 @@ def marked(plot, start, panel=0):
     return next(place for words, place in marks(plot, panel).items() if words.startswith(start))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("chart", [plots.nichols_chart, plots.bode_chart])
 def test_the_curve_is_the_loop_with_its_modes(name, chart):

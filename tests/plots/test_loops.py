@@ -305,6 +305,7 @@ def test_no_pole_on_the_axis_is_counted_by_the_rounding_of_its_real_part():
     assert "1 counterclockwise encirclement of -1, 1 unstable open-loop pole:" in heading(plot)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("make", cases(STABLE))
 def test_root_locus_marks_the_closed_loop_poles_and_where_it_crosses_the_axis(make):
     autopilot, plant = make()

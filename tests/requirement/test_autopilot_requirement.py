@@ -63,6 +63,7 @@ def test_a_sounding_from_behind_and_the_nominal_pressure_count_as_they_are():
     assert nominal.head is None
 
 
+@pytest.mark.thorough
 def test_a_history_has_the_pressure_of_its_own_sign():
     """A negative angle is a head wind, whose speed along the path gives its angle."""
     tail = tv.TriangularWind(peak=np.radians(5), duration=7.5)

@@ -10,6 +10,7 @@ from tests.whole_flight import autopilot, flight
 from tvclin import InputError
 
 
+@pytest.mark.thorough
 def test_what_remains_is_the_limit_minus_the_largest_of_what_is_required_and_used() -> None:
     made = flight(flexible=False)
     gust = tv.TriangularWind(peak=np.radians(4.0), duration=6.0)

@@ -172,6 +172,7 @@ def test_a_wind_of_a_negative_peak_with_a_heading_blows_the_other_way(configurat
     assert required[0] == pytest.approx(required[1], rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_a_gust_with_a_heading_has_the_direction_of_its_wind(configuration_i) -> None:
     """Wind and gust of negative peaks from behind are those of positive peaks from ahead."""
     needs, campaigns = [], []

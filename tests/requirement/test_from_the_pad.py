@@ -83,6 +83,7 @@ def test_constant_parameters_have_the_left_eigenvector_at_all_times(configuratio
         assert reach == pytest.approx(row @ inputs[:, 0] / values.real.max(), rel=2e-6)
 
 
+@pytest.mark.thorough
 def test_steep_winds_are_not_known_and_every_other_time_is_sized(flight) -> None:
     encountered = tv.fly_through(sounding(), flight, azimuth=EAST)
     sizing = tv.size(flight, encountered, times=[0.5, 20.0, 60.0, 122.0], varying=True)

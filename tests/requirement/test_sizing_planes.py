@@ -51,6 +51,7 @@ def test_a_wind_along_one_plane_asks_for_the_same_to_the_last_bit(flight, model,
                 assert sizing.required[name].tolist() == values.tolist(), (stop, plane, name)
 
 
+@pytest.mark.thorough
 def test_a_sounding_along_the_flight_asks_for_the_same_to_the_last_bit(flight) -> None:
     """Though neither sine nor cosine of its azimuth is exactly zero."""
     height = np.linspace(0.0, 30e3, 31)

@@ -70,6 +70,7 @@ def test_the_verdict_is_one_sentence_in_terminal_and_page(answers):
     assert said in page.of("p")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("lacks", "words"), [(2e-6, "0.0001146 deg"), (2e-3, "0.115 deg")])
 def test_a_shortfall_is_never_printed_as_zero(answers, lacks, words):
     total = answers[3]

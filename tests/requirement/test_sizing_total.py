@@ -211,6 +211,7 @@ def test_a_wind_beyond_linear_aerodynamics_has_no_trim_in_the_controllability_ra
     assert ratio.ratio == pytest.approx(np.radians(5.0) / (B * np.radians(12.0)), rel=5e-3)
 
 
+@pytest.mark.thorough
 def test_the_row_of_the_wind_names_the_requirement_that_the_total_counts() -> None:
     plan = tv.studyfile.load_sizing("configuration-i")
     request = replace(plan.sizing, start=60.0, stop=70.0)

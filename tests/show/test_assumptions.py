@@ -35,6 +35,7 @@ def check_of(answers: Findings, begin: str):
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("duration", usual([5.0, 30.0], 1))
 def test_a_vehicle_that_changes_by_more_than_a_tenth_is_not_marked_as_frozen(
     duration, tmp_path

@@ -293,6 +293,7 @@ def test_what_is_idle_is_greyed_and_says_why(panel: Any) -> None:
     assert panel.controls["alpha_gain"].tooltip is None
 
 
+@pytest.mark.thorough
 def test_a_vehicle_of_one_s_own_is_explored(panel: Any) -> None:
     own = tv.load_vehicle("configuration-ii").replace(name="mine", control_arm=1.0)
     explored = opened(own)

@@ -54,6 +54,7 @@ def test_a_wind_without_a_direction_has_no_such_section() -> None:
     assert 'id="planes"' not in html
 
 
+@pytest.mark.thorough
 def test_a_vehicle_without_a_name_has_that_of_its_file_in_the_title(tmp_path):
     file = tmp_path / "own.toml"
     text = vehicle_file(tv.load_vehicle("configuration-i").replace(name=""))

@@ -99,6 +99,7 @@ def test_no_figure_stays_open(everything):
     assert not plt.get_fignums()
 
 
+@pytest.mark.thorough
 def test_every_figure_is_written_in_turn_and_again_over_itself(tmp_path, monkeypatch):
     two = {name: reproduce.FIGURES[name] for name in ("sketch-a", "sketch-b")}
     monkeypatch.setattr(reproduce, "FIGURES", two)

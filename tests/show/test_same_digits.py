@@ -37,6 +37,7 @@ def findings(tmp_path_factory):
     return find(tv.load_study(path))
 
 
+@pytest.mark.thorough
 def test_every_margin_of_the_page_stands_in_the_terminal(findings):
     printed = CliRunner().invoke(app, ["margins", "configuration-i", *GIVEN, "--more"]).output
     numbers = section(findings, "margins").numbers

@@ -131,6 +131,7 @@ def _campaign(folder, text, vehicle="configuration-i"):
     return load_campaign(folder / "campaign.toml")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "vehicle", ["configuration-i", pytest.param("made-up-launcher", marks=pytest.mark.thorough)]
 )

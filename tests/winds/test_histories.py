@@ -256,6 +256,7 @@ def test_a_filter_multiplies_the_transform(name, s):
         np.testing.assert_allclose(h.filter(num, den).laplace(s), expected, rtol=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("off", [0.0, 1e-12, -1e-12, 1e-6, -1e-6, 1e-3, -1e-3, 0.3])
 @pytest.mark.parametrize("pole", [[1.0, 0.5], [1.0, -0.2], [1.0, 0.6, 4.0]])
 def test_a_pole_on_or_near_a_rate_of_the_history_loses_nothing(pole, off):
