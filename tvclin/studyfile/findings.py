@@ -338,7 +338,8 @@ def _trials(
 ) -> tuple[LawTrial, ...]:
     """Return the trials of the requested laws in the standard winds, a trial for each law and wind.
 
-    `loop`: function that returns plant and autopilot. `request`: names of laws and winds.
+    `loop`: function that returns plant and autopilot. `request`: names of laws and winds, sample
+    rate, and number of sudden ends of each wind (`cuts`), with which it is flown too.
     `progress`: called with trials done and in total. The laws are compared with boundaries, which
     have no actuator and no delay: a rigid vehicle flies without them too, a vehicle with a
     structure with both and with the filters of its plan.

@@ -289,6 +289,7 @@ def _load(findings: Findings) -> Question:
     line: Line = ("for this load, of a control that knows the wind",)
     yes, head, ratio = trade_off.above_lower_bound, findings.head, findings.study.plane_ratio
     pressure = NOMINAL
+    # `head`: findings by the pressure at the peak of a head wind, `loads` its trade-off
     if head is not None and head.loads is not None:
         nominal = minimum_limit(
             degrees("answer.calm_load", trade_off.lower_bound * ratio, unit="deg")

@@ -429,14 +429,14 @@ def _required_by_flights(
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         tried = _FLIGHT_MARGIN * np.maximum(required, _MIN_LIMIT)[confirmed, np.newaxis]
         flown[confirmed] = flights.diverge(tried, confirmed)[:, 0]
-    which = decided = np.flatnonzero(flown & finite)
+    which = decided = np.flatnonzero(flown & finite)  # winds that flights decide
     if which.size:
         changes = np.broadcast_to(equations.changes_sign, required.shape)
         wind_times, *wind_and_ratio = encountered_at_steps(motion, encountered, FLIGHT_SUBSTEPS)
         times, wind, ratio = with_calm_after(equations, wind_times, *wind_and_ratio)
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
-        for factor in _HIGHER_LIMITS:
+        for factor in _HIGHER_LIMITS:  # the next one where no limit up to here is sufficient
             required[which] = flights.select(which).requirement(low[which], factor * high[which])
             which = which[np.isinf(required[which]) & (changes | paired)[which]]
         stable = equations.nominal[:, -1, -1, 1, 0] < 0.0  # mu_alpha at the end of the last step

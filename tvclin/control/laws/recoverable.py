@@ -143,8 +143,10 @@ class RecoverableAttitudeLaw(Law):
             # k of the fast mode, z' = s (z - u - k w): u is deflection/B, w the wind angle
             wind=float(modes.wind[0]),
             B=float(self.plant.coefficients.B),
-            reach=self.reach,
+            reach=self.reach,  # of the lean, over the largest recoverable coordinate
             gain=self.gain,
+            # beyond the lean that a wind of this peak requires with the fraction `trust` of the
+            # limit the law does not lean
             peak=np.inf if self.design_peak is None else self.design_peak,
             trust=self.trust,
             dead_band=self.dead_band,

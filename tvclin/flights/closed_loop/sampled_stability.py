@@ -146,6 +146,7 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray
     # Law: its states, the sensors and its demand give its inputs, the command and its next states.
     signals = np.concatenate([spread(law_states), sensed, spread(0.0 * x[:1])], axis=1)
     measured = per_case(f.laws.input_rows) @ signals if len(f.laws.input_rows) else sensed
+    # derivatives of the demand by measurements and states of the law
     slopes = f.cases.gain[cases, np.newaxis] * _slopes(batch, f, cases)
     demand = slopes[:, np.newaxis] @ np.concatenate([measured, spread(law_states)], axis=1)
     signals[:, -1:] = demand

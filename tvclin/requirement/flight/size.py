@@ -390,7 +390,7 @@ def _plane_sizing(
             )
             mode = FlightMode(schedule, model, plane, span=(min(firsts), max(lasts)))
             varying_needs = _varying_requirements(mode, placed, bands, count_need)
-            required |= _varying(_columns(varying_needs, bands))
+            required |= _with_varying_keys(_columns(varying_needs, bands))
             arises = _arising_times(placed, varying_needs, bands)
             messages += _missing(required, bands)
             messages += _without_exit(mode, inputs.times, placed, bands)
@@ -472,7 +472,7 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
             yield next(requirements)
 
 
-def _varying(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
+def _with_varying_keys(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
     """Return the values with keys of requirements with varying parameters."""
     return {replace(key, varying=True): value for key, value in values.items()}
 
@@ -573,7 +573,7 @@ def _arising_times(
 ) -> dict[Requirement, FloatArray]:
     """Return the flight times [s] at which requirements of m fixed winds arise, ``(m,)`` each.
 
-    NaN for winds that are not fixed in flight time. `placed`, `along`: winds, and requirements
+    Of requirements with varying parameters; NaN for winds not fixed in flight time. `placed`, `along`: winds, and requirements
     along the flight, by flight time and wind. `bands`: dead bands, of which the time of the exit
     counts; for trim and minimum it is the time of the largest trim.
     """
@@ -585,7 +585,9 @@ def _arising_times(
     times = {TRIM: [x.trim_time for x in needs], MINIMUM: [x.trim_time for x in needs]}
     times |= {Requirement(dead_band=K): [x.times[k] for x in needs] for k, K in enumerate(bands)}
     is_fixed = fixed.any(axis=0)
-    return _varying({key: np.where(is_fixed, value, np.nan) for key, value in times.items()})
+    return _with_varying_keys(
+        {key: np.where(is_fixed, value, np.nan) for key, value in times.items()}
+    )
 
 
 def _progress_counter(
