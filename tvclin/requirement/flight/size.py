@@ -573,9 +573,9 @@ def _arising_times(
 ) -> dict[Requirement, FloatArray]:
     """Return the flight times [s] at which requirements of m fixed winds arise, ``(m,)`` each.
 
-    Of requirements with varying parameters; NaN for winds not fixed in flight time. `placed`, `along`: winds, and requirements
-    along the flight, by flight time and wind. `bands`: dead bands, of which the time of the exit
-    counts; for trim and minimum it is the time of the largest trim.
+    They are with varying parameters; NaN for winds that are not fixed in flight time. `placed`,
+    `along`: winds, and requirements along the flight, by flight time and wind. `bands`: dead bands,
+    of which the time of the exit counts; for trim and minimum it is the time of the largest trim.
     """
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():

@@ -274,7 +274,7 @@ def _marks(sizing: Sizing, i: int) -> str:
     marks = {
         "1": sizing.beyond_single_pole[i].any(),
         "~": not sizing.freezing_error and (sizing.change[i] > STEADY).any(),  # of beta or B
-        "+": not sizing.covered[i].all(),
+        "+": not sizing.covered[i].all(),  # the flight ends before the wind, or begins after it
         "=": sizing.unsigned is not None and sizing.unsigned[i].any(),  # effect of sign not known
         "?": not sizing.known[i].all(),
     }
