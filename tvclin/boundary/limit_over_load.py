@@ -540,7 +540,7 @@ def _nodes(case: LoadCase) -> FloatArray:
     )
     after = end + width * (_WIDTH_RATIO**steps - 1.0) / (_WIDTH_RATIO - 1.0)
     parts = [np.linspace(start, end, count + 1), after, wind.knots, case.reference.knots]
-    if np.any(unstable.imag):
+    if np.any(unstable.imag):  # a node for each radian
         parts.append(np.linspace(end, last, int((last - end) * unstable.imag.max()) + 2))
     nodes = np.concatenate(parts)
     return separate_nodes(nodes[(nodes >= start) & (nodes <= after[-1])], 1e-6 / case.fastest)

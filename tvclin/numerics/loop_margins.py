@@ -185,7 +185,7 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
         real_frequencies * (1.0 + _REAL_FREQUENCY_OFFSET),
     ]
     if np.any(loop.delay > 0.0):
-        delay_points, end = _delay_frequencies(loop)
+        delay_points, end = _delay_frequencies(loop)  # beyond the end |L| is small
         parts = [
             *(np.where(part <= end[:, np.newaxis], part, np.nan) for part in parts),
             delay_points,
@@ -193,6 +193,7 @@ def grid_frequencies(loop: AnyLoop, stability: Stability) -> FloatArray:
     points = np.concatenate(parts, axis=-1)
     bounded = (points >= low[:, np.newaxis]) & np.isfinite(points)
     points = np.sort(np.where(bounded, points, np.nan), axis=-1)
+    # equal points are moved apart
     return points * (1.0 + _MIN_SPACING * np.arange(points.shape[-1]))
 
 

@@ -180,13 +180,14 @@ class LoadProgram:
         )
         start = case.column(case.sizes * np.where(case.unstable, start_weights, -end_weights))
         end = case.column(case.sizes * np.where(case.unstable, end_weights, -start_weights))
-        here = case.matrix(np.where(case.unstable, 1.0, -decay))
-        after = case.matrix(np.where(case.unstable, -decay, 1.0))
+        # coefficients of the states at the start and at the end of each cell
+        of_start = case.matrix(np.where(case.unstable, 1.0, -decay))
+        of_end = case.matrix(np.where(case.unstable, -decay, 1.0))
         # whether each real number belongs to an unstable mode: 1 + j marks both of a pair
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         final_states, m = case.column(case.step_states)[unstable], unstable.size
         driven = _diagonal(start[..., np.newaxis]) @ first + _diagonal(end[..., np.newaxis]) @ last
-        between = sparse.hstack([driven, _diagonal(after) + _diagonal(here, 1)])
+        between = sparse.hstack([driven, _diagonal(of_end) + _diagonal(of_start, 1)])
         final = sparse.hstack(
             [
                 sparse.csr_matrix(final_states[:, np.newaxis]) @ last[n - 1],
