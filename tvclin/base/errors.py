@@ -332,7 +332,10 @@ def small_angle(what: str, check: _Check = finite) -> _Check:
     """
 
     def checked(name: str, value: ArrayLike, unit: str = "rad") -> FloatArray:
-        """Return angles `value` as an array; `InputError` by `check`, and from 90 degrees on."""
+        """Return angles `value` as an array; `InputError` by `check`, and from 90 degrees on.
+
+        `name`: of the argument, in messages. `unit`: "rad" or "deg", in which the angles are.
+        """
         array = check(name, value, unit)
         largest = np.abs(array).max(initial=0.0)
         if unit == "deg" and largest >= 90.0:

@@ -187,7 +187,10 @@ class Curves:
         case = case[row]
 
         def rises(position: FloatArray, k: IndexArray) -> FloatArray:
-            """Return trim minus demand [rad], times -1 if it falls, at positions in steps."""
+            """Return trim minus demand [rad] of crossings `k` at positions in steps, rising.
+
+            It is times -1 where it falls; `case` has the wind of each crossing.
+            """
             gap = self.trim_at(case[k], position) - self.demand_at(case[k], position)
             return np.asarray(rising[k] * gap)
 

@@ -73,8 +73,9 @@ def encountered_requirements_by_time(
     """Return the required deflections [rad] as encountered, a function of gust times [s].
 
     Each is the largest of all directions of the wind, without flights of the limited law. `wind`:
-    with its heading and its gust. `plane`: the judged plane. `directions`: such as "head" and
-    "tail". `dead_band`: K, the vehicle is trimmed up to K times the limit.
+    with its heading and its gust. `model`, `plane`: linear model, and the judged plane.
+    `directions`: such as "head" and "tail". `dead_band`: K, the vehicle is trimmed up to K times
+    the limit.
     """
     equations = Equations.frozen(vehicle.rigid, model, plane)
 

@@ -262,7 +262,10 @@ class FilteredLaw(Law):
         return self.law.numbers
 
     def demand(self, measured: Measurement, states: FloatArray, limit: Any) -> Any:
-        """Return the deflection [rad] that `law` demands of `measured` values, before `limit`."""
+        """Return the deflection [rad] that the unfiltered `law` demands, before `limit` [rad].
+
+        `measured`, `states`: measurements behind the filters, and states of the law.
+        """
         return self.law.demand(measured, states, limit)
 
 

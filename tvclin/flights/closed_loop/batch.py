@@ -281,8 +281,9 @@ def one_flight(
 ) -> Batch:
     """Return the batch of one flight of a law in a wind, of shape ``()``.
 
-    `limit`: deflection limit [rad]. `gain`: factor on the demand of the law. `until`: end of the
-    flight [s]; infinite until it is decided.
+    `limit`: deflection limit [rad]. `hardware`: sample period, delay, actuator and rate limit.
+    `gain`: factor on the demand of the law. `until`: end of the flight [s]; infinite until it is
+    decided.
     """
     laws = law_batch(law, ())
     return Batch(plant, hardware, wind, laws, limit=limit, shape=(), gain=gain, until=until)
