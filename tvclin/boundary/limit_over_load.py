@@ -505,7 +505,7 @@ def load_limits(plant: Plant, wind: History, ratio: float, rate: float) -> LoadL
     minimum_deflection = optimum.certificate.dual  # proved bound [rad], just below the peak
     if np.isfinite(rate):
         slow = rate_trade_off(plant, wind, [rate], rate_limit=rate)
-        minimum_deflection = float(slow.limits[0])
+        minimum_deflection = float(slow.limits[0])  # at this one rate
         if np.isinf(minimum_deflection):
             least = slow.minimum_rate
             raise errors.InputError(

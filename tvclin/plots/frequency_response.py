@@ -405,7 +405,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
 
 
 def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
-    """Return the response along the contour, indented to the right of poles on the axis.
+    """Return the open loop L along the Nyquist contour, indented to the right of poles on the axis.
 
     The contour of a sampled loop is in its variable w, the bilinear image of z, at frequencies of
     the s plane. Around a pole it is a half circle of a hundredth of the lowest frequency.

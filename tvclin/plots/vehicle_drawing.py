@@ -369,7 +369,7 @@ def _arcs(attitude: float, path: float, wind: float, deflection: float) -> dict[
     """
     u, _ = _axes_of(attitude)  # along the body axis
     into_wind, back = path + wind, attitude + np.pi
-    delta = _arc(3.6, back, back + deflection) + _TAIL * u  # about the gimbal
+    delta = _arc(3.6, back, back + deflection) + _TAIL * u  # radius, angles; about the gimbal
     arc = partial(_Line, style=_ANGLE, arrow="-|>")
     theta, alpha = _arc(5.6, 0.0, attitude), _arc(4.0, into_wind, attitude)
     wind_arc = _arc(4.0, path, into_wind)

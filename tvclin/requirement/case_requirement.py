@@ -416,9 +416,9 @@ def survived_size(
 
     @cache
     def excess(x: float) -> float:
-        """Return log(requirement/limit), with the logarithm `x` of a factor on the wind.
+        """Return log(requirement/limit) in the wind times e^`x`.
 
-        `need` returns the requirement of a factor, which is `required` of the factor 1.
+        `need`: function from a factor on the wind to the requirement [rad], `required` for one.
         """
         ratio = (need(float(np.exp(x))) if x else required) / limit
         # zero and infinite requirements have a sign alone

@@ -65,7 +65,7 @@ def encountered_requirements(
         encountered = encountered_wind(wind, vehicle, plane, name, size)
         encountered.check_linear()
         requirement = varying_requirement(equations, encountered, dead_band)
-        required[name][plane] = float(requirement.required[0])
+        required[name][plane] = float(requirement.required[0])  # of one wind
     return required
 
 

@@ -74,7 +74,7 @@ def vector_requirements(
     return VectorRequirement(
         trim=trim,
         required=np.array([limit.limit for limit in limits]),
-        no_forecast=limits[0].bound,
+        no_forecast=limits[0].bound,  # this and the minimum are the same for all K
         minimum=limits[0].minimum,
         notes=tuple(dict.fromkeys(note for limit in limits for note in limit.notes)),
     )

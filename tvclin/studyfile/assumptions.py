@@ -323,6 +323,7 @@ def loop_notes(findings: Findings) -> Iterator[str]:
             margins = plan.autopilot.margins(plan.plant)
     if margins is not None:
         satisfied = bool(findings.criteria.are_satisfied(margins))
+        # of the whole loop, without those of each mode
         loop_margins = margins.margins if isinstance(margins, BandMargins) else margins
         yield from gain_notes(plan, findings.criteria, satisfied, loop_margins.delay_margin)
     else:

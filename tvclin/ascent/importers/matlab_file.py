@@ -194,7 +194,10 @@ class _Matrix:
 
     @classmethod
     def of(cls, data: memoryview, order: str) -> _Matrix:
-        """Return the matrix in the bytes of an element; `order`: byte order, "<" or ">"."""
+        """Return the matrix in the bytes of an element; `order`: byte order, "<" or ">".
+
+        Its elements are the flags, the shape, the name, and further ones, which are not read here.
+        """
         elements = _Elements(data, order)
         flags = elements.next_integers()
         if len(flags) != 2:

@@ -544,7 +544,7 @@ def drift_gains(
     scale = np.array([1.0, 1.0, 1.0, float(speed)])
     A, B = system.A * scale / scale[:, np.newaxis], system.B[:, :1]
     try:
-        gains = control.place(A, B, poles)[0]
+        gains = control.place(A, B, poles)[0]  # from all states to the deflection
     except ValueError:  # no solution: gains of zero leave other poles, refused below
         gains = np.zeros(4)
     placed = np.linalg.eigvals(A - B * np.nan_to_num(gains))

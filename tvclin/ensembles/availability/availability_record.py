@@ -247,7 +247,7 @@ class Availability(Tabled):
         # persistence: angle [rad] kept for the change of the wind after the balloon, by azimuth
         limits = self.limit - self.persistence
         required, _ = self.judge.decided(sounding, self.judge.requirements(sounding), limits)
-        first, last = required.judged[0].tolist()
+        first, last = required.judged[0].tolist()  # [0]: of this one sounding
         verdicts = []
         for a, archive in enumerate(np.atleast_2d(self.upper)):  # by azimuth
             bounds = (required.lower[a, 0], required.upper[a, 0])

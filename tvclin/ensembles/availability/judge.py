@@ -325,7 +325,8 @@ class Judge:
         square limit shape requires the largest of its planes, a round one the root of the sum of
         squares.
         """
-        planes = np.zeros((len(self.planes), *(in_planes[0][1].shape if in_planes else shape)))
+        shapes = [required.shape for _, required in in_planes] or [shape]
+        planes = np.zeros((len(self.planes), *shapes[0]))
         for p, required in in_planes:
             np.maximum(planes[p], required, out=planes[p])
         return planes.max(axis=0) if self.limit_shape == "square" else np.hypot.reduce(planes)

@@ -510,8 +510,9 @@ class Airframe:
             """
             path_rate, deflection = next(reference)
             attitude, path = angles()
-            rate = rates()[0] - path_rate
-            set_deflection(deflection + on_lean * (attitude - path) + on_rate * rate)
+            rate, _acceleration = rates()
+            lean, excess_rate = attitude - path, rate - path_rate
+            set_deflection(deflection + on_lean * lean + on_rate * excess_rate)
 
         return hold
 

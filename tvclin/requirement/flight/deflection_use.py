@@ -150,7 +150,7 @@ def _encountered(
     if placed.calm:
         raise errors.NotKnownError("the wind is calm")
     if placed.speeds is not None:  # a sounding, with the wind speeds of both planes
-        history = placed.two_sided or placed.history
+        history = placed.two_sided or placed.history  # `two_sided`: with both signs, else None
         speeds = None if signs == (FROZEN,) else placed.speeds
         return [sounding_along(history, speeds, plane, sizing.schedule.span)]
     try:

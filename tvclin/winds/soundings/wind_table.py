@@ -311,15 +311,15 @@ def _compare_components(sheet: Sheet, values: dict[str, FloatArray], notes: list
     """
     _, components = _PAIRS
     east, north = (values.pop(name) for name in components)
-    expected = wind_components(values["speed"], values["direction"])
-    difference = np.hypot(east - expected[0], north - expected[1])
+    to_east, to_north = wind_components(values["speed"], values["direction"])
+    difference = np.hypot(east - to_east, north - to_north)
     agrees = ~(difference > _MAX_DIFFERENCE + _MAX_RELATIVE_DIFFERENCE * values["speed"])
     sheet.text.require(
         agrees,
         sheet.line,
         lambda i: (
-            f"speed and direction give {expected[0][i]:.4g} m/s towards the east and"
-            f" {expected[1][i]:.4g} towards the north, and the components are {east[i]:.4g} and"
+            f"speed and direction give {to_east[i]:.4g} m/s towards the east and"
+            f" {to_north[i]:.4g} towards the north, and the components are {east[i]:.4g} and"
             f" {north[i]:.4g}; keep the right pair of columns"
         ),
     )
