@@ -372,7 +372,11 @@ class Availability(Tabled):
         return (value,) if np.ndim(self.azimuth) == 0 else value
 
     def _flies(self, limit: float) -> FloatArray:
-        """Return verdicts in n soundings on a limit [rad]: 1 sufficient, 0 not, NaN unknown."""
+        """Return verdicts in n soundings on a limit [rad]: 1 sufficient, 0 not, NaN unknown.
+
+        A limit from the upper bound of the required deflection on is sufficient, below the lower
+        bound not.
+        """
         with np.errstate(invalid="ignore"):
             sufficient = np.asarray(covers(limit, self.upper))
             insufficient = ~np.asarray(covers(limit, self.lower))

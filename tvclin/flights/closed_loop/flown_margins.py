@@ -421,7 +421,7 @@ def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMa
         end = min(_MAX_OVER_LINEAR * min(linear, _MAX_DELAY_TIMES_POLE / pole), longest)
     else:
         end = min(_MAX_OVER_LINEAR * linear, _MAX_FACTOR)
-    change = partial(_change, name == "delay", end)
+    change = partial(_change, name == "delay", end)  # from a fraction `back` to factor or delay
     # `back` by field: `scan`, all values, rising; `lost`, that nearest to no change of a flight
     # that does not survive, minus infinity if there is none; `limit`, a last step above `lost`
     back: SurvivalLimit = limit_above_losses(

@@ -327,9 +327,10 @@ class LoopOverFlight:
         )
 
     def response(self, time: float, pressure: float, pulse: History) -> CovarianceHistory:
-        """Return the response to a pulse from its onset on, frozen at a flight time [s].
+        """Return mean and deviation of the outputs in a pulse, frozen at a flight time [s].
 
-        `pressure`: ratio of the dynamic pressure in the pulse to the nominal one.
+        They are of the loop in turbulence; the mean is the response to the pulse [rad], from its
+        onset on. `pressure`: ratio of the dynamic pressure in the pulse to the nominal one.
         """
         schedule, at = self.schedule, np.asarray(time)
         height = None
@@ -430,7 +431,10 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
     sign = FROZEN if loop.case.sign == FROZEN else None
 
     def flown(gust_time: float | None) -> CovarianceHistory:
-        """Return the response in the sounding with its gust at a flight time [s]; None: no gust."""
+        """Return mean and deviation of the outputs in the sounding, at the times of the flight.
+
+        `gust_time`: flight time [s] at which its gust is placed; None for no gust.
+        """
         along = wind_along(loop.schedule, wind, loop.case.plane, sign, gust_time)
         return loop.along(along.history, along.pressure(loop.schedule.times))
 
