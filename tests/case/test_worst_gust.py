@@ -40,6 +40,10 @@ def test_no_time_of_a_fine_scan_asks_for_more(configuration_i, shape, model) -> 
 def test_a_gust_against_the_wind_stays_in_its_middle(configuration_i) -> None:
     result = study(configuration_i, gust=-0.2 * GUST, model="fixed-path")
     assert (result.wind_in_plane.gust_at, result.gust.onset, result.gust.end) == (None, 2.75, 4.75)
+    later = study(configuration_i, gust=-0.2 * GUST, model="fixed-path", gust_at=6.0)
+    assert later.required_deflection > result.required_deflection
+    noted = [any("against the wind" in note for note in each.notes) for each in (result, later)]
+    assert noted == [True, False]
 
 
 def test_dispersed_winds_have_the_gust_of_the_nominal_one(configuration_i) -> None:

@@ -149,10 +149,18 @@ def nominal_pressure(case: Case) -> Iterator[str]:
 def gust_placed(specified: ShapedWind, need: CaseRequirement) -> Iterator[str]:
     """Yield a note on the time of a gust that was placed where it requires most.
 
-    `specified`: wind of the case. `need`: its requirement, with the gust at that time.
+    A gust against the wind is in its middle. `specified`: wind of the case. `need`: its
+    requirement, with the gust at that time.
     """
-    time = need.wind_in_plane.gust_at
-    if specified.gust_at is not None or time is None:
+    time, gust = need.wind_in_plane.gust_at, specified.gust
+    if specified.gust_at is not None or gust is None:
+        return
+    if float(gust.peak) * specified.peak < 0.0:
+        yield (
+            "the gust blows against the wind, in its middle, where it lowers the requirement; at"
+            " other times more may be required (peak_time_s in [gust] gives one)"
+        )
+    if time is None:
         return
     pressure = f" {NOMINAL}" if need.at_nominal_pressure else ""
     yield (
