@@ -337,7 +337,7 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def _motions(self) -> Motions:
-        """Accelerations of the vehicle with its structure, per state and input."""
+        """Accelerations [rad/s^2, m/s^2] of attitude, modes and tanks, per state and per input."""
         return motions(self.vehicle, self.structure)
 
     @cached_property

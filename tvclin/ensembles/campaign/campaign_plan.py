@@ -148,8 +148,8 @@ def dispersed_flight(
         """Return a number over the flight, scaled or shifted by the dispersion of the case.
 
         `name`: name of the parameter, which is scaled if it is `relative`. `base`: its nominal
-        values over the flight [SI]. Factor and shift are those at the time of the campaign's
-        vehicle.
+        values over the flight [SI]. Factor and shift lead from `nominal` to the dispersed
+        `values`, at the time of the campaign's vehicle.
         """
         centre = float(nominal[name])
         if relative[name]:

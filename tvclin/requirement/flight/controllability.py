@@ -58,13 +58,16 @@ class ControllabilityRatio(Shown):
     @property
     @derived()
     def ratio(self) -> float:
-        """Available deflection over the deflection taken; infinite where none is."""
+        """Available deflection over the total of trim in the wind and what adds to it (`takes`).
+
+        Infinite for a total of zero.
+        """
         return self.limit / self.takes.total if self.takes.total else np.inf
 
     @property
     @derived()
     def words(self) -> str:
-        """The ratio of available deflection to deflection taken, against goal and limit, in words.
+        """The ratio of available deflection to trim with what adds to it, judged, in words.
 
         Where winds are not known at some flight times, `takes.not_sized`, a good ratio says so.
         """
