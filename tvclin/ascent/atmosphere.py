@@ -80,7 +80,7 @@ def air_at(altitude: FloatArray) -> Air:
     # temperature [K] and its slope [K/m] at the bottom of the layer, and height above it [m]
     base, lapse, above = temperatures[layer], _LAPSES[layer], height - _BASES[layer]
     temperature = base + lapse * above
-    pressure = pressures[layer] * np.exp(-_fall(base, lapse, above))
+    pressure = pressures[layer] * np.exp(-_log_pressure_drop(base, lapse, above))
     density = pressure / (_GAS_CONSTANT * temperature)
     return Air(temperature=temperature, pressure=pressure, density=density)
 
@@ -125,7 +125,7 @@ def density_at(altitude: float) -> float:
     return pressure / (_GAS_CONSTANT * (base + lapse * above))
 
 
-def _fall(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
+def _log_pressure_drop(base: FloatArray, lapse: FloatArray, above: FloatArray) -> FloatArray:
     """Return ln(p_bottom/p) of pressures within a layer: the integral of g/(R T) over height.
 
     `base`: temperature [K] at the bottom. `lapse`: its slope [K/m]. `above`: height above it [m].
@@ -151,5 +151,5 @@ def _bases() -> tuple[FloatArray, FloatArray]:
     """Return temperature [K] and pressure [Pa] at the base of each layer, ``(layers,)``."""
     thickness = np.diff(_BASES)
     temperatures = _SEA_TEMPERATURE + np.concatenate([[0.0], np.cumsum(_LAPSES[:-1] * thickness)])
-    falls = _fall(temperatures[:-1], _LAPSES[:-1], thickness)
-    return temperatures, _SEA_PRESSURE * np.exp(-np.concatenate([[0.0], np.cumsum(falls)]))
+    drops = _log_pressure_drop(temperatures[:-1], _LAPSES[:-1], thickness)
+    return temperatures, _SEA_PRESSURE * np.exp(-np.concatenate([[0.0], np.cumsum(drops)]))

@@ -541,6 +541,7 @@ class Cluster(LimitShape):
         The moment is normalised by the total thrust and the largest distance from the axis; zero
         where the moving engines need not balance it (`hold_roll`).
         """
+        # `share`: fraction of the thrust
         stuck = [(engine, share) for engine, share in self._shares if engine.state == "stuck"]
         bias = sum((engine.deflection * share for engine, share in stuck), 0j)
         roll = sum(

@@ -159,6 +159,7 @@ class PlanePair:
         `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the vehicle is trimmed up to then; else
         it is at rest.
         """
+        # factors on I: p, or -B K1 p (`_strengths`)
         history, factors = (self.trim, self.poles) if after_trim else (self.wind, self._strengths)
         component, poles = (history.pitch, history.yaw)[plane], self.poles[plane]
         return factors[plane] * np.asarray(component.remaining_integral(poles, np.array([t])))[:, 0]

@@ -263,7 +263,7 @@ def _governing_requirement(requirements: dict[Reason, float]) -> tuple[float, li
     governs = max(requirements, key=requirements.__getitem__)
     boundary = requirements[Reason.BOUNDARY]
     if requirements[governs] > boundary * (1.0 + ROUNDING):
-        return requirements[governs], [governs.larger]
+        return requirements[governs], [governs.larger]  # the note of this reason
     return boundary, []
 
 

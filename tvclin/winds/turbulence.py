@@ -257,6 +257,7 @@ class Turbulence(Record):
         The filter is dx/dxi = A x + b v, w = c x, over the distance xi flown normalised by the
         scale length, in the controllable canonical form; the variance of w is one.
         """
+        # in s, lowest power first
         numerator, denominator = (np.array(p) for p in _FILTERS[self.spectrum, self.component])
         n = denominator.size - 1
         A, b, c = np.eye(n, k=1), np.zeros((n, 1)), np.zeros((1, n))

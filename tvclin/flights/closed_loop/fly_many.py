@@ -313,7 +313,7 @@ def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
         )
         f = start._replace(cases=Cases._make(cases), now=FlightStates._make(now))
         f.cases.limit[:] = limits
-        finish_by_modes(f, flight)
+        finish_by_modes(f, flight)  # changes f in place
         possible = np.ones(limits.shape, bool)  # the flight itself is decidable, whatever its limit
         return flown_cases(f, possible, rings=unstable_loops(flight, f)).status
 
