@@ -180,7 +180,12 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
         ),
         (("disperse", "--seed", "4"), "tvclin disperse takes no --seed: --set campaign.seed VALUE"),
         (("fly", "--duration", "7.5s"), "Error: --duration must be a number"),
-        (("study", "--winds", "x.csv"), "tvclin ascent and tvclin fly answer for a sounding"),
+        (
+            ("study", "--winds", "x.csv", "--azimuth-deg", "60"),
+            "tvclin ascent VEHICLE --winds FILE --azimuth-deg DEG answers for a sounding",
+        ),
+        (("nozzle", "--delay-ms", "5"), "--set autopilot.delay_ms VALUE gives it"),
+        (("nozzle", "--sample-rate", "5"), "--set autopilot.sample_rate_Hz VALUE gives it"),
         (("ascent", "--limit-shape", "round"), "--set nozzle.limit_shape VALUE gives it"),
     ],
 )

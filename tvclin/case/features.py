@@ -147,7 +147,7 @@ def refusal(question: str, option: str, key: str | None = None) -> str | None:
     for feature, options in OPTIONS.items():
         if option in options and question in QUESTIONS:
             if (question, feature) == ("study", "measured wind"):  # along a flight of its file
-                do = "tvclin ascent and tvclin fly answer for a sounding"
+                do = f"tvclin ascent VEHICLE {option} FILE --azimuth-deg DEG answers for a sounding"
                 return f"tvclin study is of a wind of one shape and takes no {option}: {do}"
             if use_of(question, feature) == COMPUTED:  # but taken from a file or --set alone
                 writes = "(tvclin init --study my.toml writes one)"

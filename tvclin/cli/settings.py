@@ -272,12 +272,18 @@ def similar_key(option: str) -> str | None:
 
 
 def field_key(option: str) -> str | None:
-    """Return the key that gives the same as an option, with its unit; None without such a key."""
+    """Return the key that gives the same as an option, with its unit; None without such a key.
+
+    The unit is that of the option where the key may have it: of --delay-ms ``autopilot.delay_ms``.
+    """
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name
 
     # without unit; behind it are the keys that the option excludes
     own_key, *_ = (_OTHER_KEYS | _field_keys()).get(option, ("",))
+    in_its_unit = f"{own_key.partition('.')[0]}.{option.strip('-').replace('-', '_')}"
+    if quantity_name(in_its_unit) == own_key != in_its_unit:
+        return in_its_unit
     return next((k.name for k in all_keys() if quantity_name(k.name) == own_key), None)
 
 
