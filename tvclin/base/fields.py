@@ -565,7 +565,7 @@ def help_line(item: Field) -> str:
     """
     help_text = item.help.replace("`", "")
     if item.numeric and _UNIT.search(help_text):
-        unit = optional_unit(item.kind)[1]
+        _, unit, _ = optional_unit(item.kind)
         help_text = _UNIT.sub("", help_text, count=1)
         help_text = _CLAUSE.sub(lambda end: f", in {unit}{end[0]}", help_text, count=1)
     if not all(choice in help_text for choice in item.choices):

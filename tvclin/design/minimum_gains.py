@@ -356,7 +356,8 @@ def _peaks(problem: GainProblem, autopilot: Autopilot) -> FloatArray:
     In each wind of the problem, of the loop without samples.
     """
     response = replace(autopilot, sample_rate=None).wind_response_function(problem.plant)
-    return np.array([abs(response(wind).peak("deflection")[0]) for wind in problem.winds])
+    peaks_and_times = (response(wind).peak("deflection") for wind in problem.winds)
+    return np.array([abs(peak) for peak, _ in peaks_and_times])
 
 
 def _boundaries(problem: GainProblem, autopilot: Autopilot, stops: int) -> FloatArray:

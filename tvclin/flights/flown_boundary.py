@@ -109,8 +109,9 @@ def sixdof_verdict(
     def late_rate(limit: float) -> float:
         """Return the attitude rate [rad/s] at the end of the flight in `air` with a limit [rad]."""
         steering = case.steering(command, limit, air)
-        late = case.flown(steering, air, command.lateral_sensors)[-1]
-        return float(late[1])  # after the attitude
+        rows = case.flown(steering, air, command.lateral_sensors)
+        _, attitude_rate, *_ = rows[-1]  # of the last time
+        return float(attitude_rate)
 
     return verdict_of(late_rate, command.control, wind, pole)
 

@@ -101,7 +101,10 @@ class WithCoefficients(Hinted):
 
     @property
     def coordinate_scale(self) -> Any:
-        """Trim deflection B per angle of attack, by which flights scale unstable components."""
+        """Trim deflection B per angle of attack, by which flights scale unstable modes.
+
+        The coordinate of one [rad] is recoverable while it is below the deflection limit over |B|.
+        """
         return self.coefficients.B
 
     @property

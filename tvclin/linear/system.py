@@ -165,7 +165,8 @@ class LinearSystem:
         B = np.zeros((*shape, n + count, 1))
         A[..., :n, :n], A[..., :n, n:] = F, input_matrix[..., 1:]
         B[..., :n, :] = input_matrix[..., :1]
-        A[..., n:, n:], B[..., n:, 0] = np.eye(count, k=-1), np.eye(1, count)[0]
+        # each delayed command takes the value of the one before it, the first that of the input
+        A[..., n:, n:], B[..., n : n + 1, 0] = np.eye(count, k=-1), 1.0
         C = state_space.join_columns(self.C, np.zeros((len(self.outputs), count)))
         delayed = tuple(f"{self.inputs[0]}_{k}" for k in range(1, count + 1))
         states = (*self.states, *delayed)

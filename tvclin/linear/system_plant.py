@@ -198,9 +198,10 @@ class SystemPlant(Plant):
 
     @property
     def coordinate_scale(self) -> Any:
-        """Trim deflection B per angle of attack, by which flights scale unstable components.
+        """Trim deflection B per angle of attack, by which flights scale unstable modes.
 
-        One where the coefficients are not known.
+        The coordinate of one [rad] is recoverable while it is below the deflection limit over |B|.
+        B counts as one where the coefficients are not known.
         """
         return self._coefficients.B if self._coefficients is not None else 1.0
 

@@ -243,7 +243,7 @@ class StateLoop:
 
         scales = np.ones(B.shape)  # of the states
         for k in range(len(A)):
-            scales[k] = lapack.dgebal(A[k], scale=1)[3]
+            _, _, _, scales[k], _ = lapack.dgebal(A[k], scale=1)
         A = A * scales[:, np.newaxis] / scales[:, :, np.newaxis]
         B, C = B / scales, C * scales
         poles, vectors = np.linalg.eig(A)
@@ -309,7 +309,8 @@ class StateLoop:
 
         They are L and one, and at a pole one and zero. `omega`: m frequencies [rad/s], ``(k, m)``.
         """
-        return self._fraction(self._solved(1j * omega)[0], omega)
+        (loop_gain,) = self._solved(1j * omega)
+        return self._fraction(loop_gain, omega)
 
     def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega = j G'/G of k loops at j omega, ``(k, m)``.
@@ -495,7 +496,7 @@ class StateLoop:
         error = np.full(omega.shape, np.nan)
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON_ITERATIONS):
-                value = self._solved(1j * omega)[0]
+                value = self._solved(1j * omega)[0]  # L alone, without its slope
                 slope = self._modal_sum(1j * omega, slope=True)
                 error = np.log(np.abs(value) / size)
                 step = error / -np.imag(slope / value)

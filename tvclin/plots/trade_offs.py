@@ -79,7 +79,10 @@ def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
     if trade_off.limit is not None and trade_off.rate_limit in trade_off.rates:
         values[_NOZZLE] = np.where(trade_off.rates == trade_off.rate_limit, trade_off.limit, np.nan)
     # `_broken`: NaN in place of infinity, so that the curve has a gap
-    columns = [Column(name, np.degrees(_broken(angles)), "deg") for name, angles in values.items()]
+    columns = [
+        Column(name, np.degrees(_nan_for_infinity(angles)), "deg")
+        for name, angles in values.items()
+    ]
     words, rates = "minimum deflection over the rate limit", np.degrees(trade_off.rates)
     return Curves("rates", words, "rate limit [deg/s]", rates, tuple(columns))
 
@@ -120,9 +123,9 @@ def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Cur
     def interpolated(values: FloatArray) -> FloatArray:
         """Return limits at the loads of the figure, from `values` at the loads of the trade-off.
 
-        NaN below the smallest of the latter.
+        NaN below the smallest of the latter, and where a limit is infinite.
         """
-        return np.interp(loads, trade_off.loads, _broken(values), left=np.nan)
+        return np.interp(loads, trade_off.loads, _nan_for_infinity(values), left=np.nan)
 
     values = {WIND_KNOWN: interpolated(trade_off.limits)}
     if trade_off.no_forecast_bounds is not None:
@@ -183,7 +186,7 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     for k, trade_off in enumerate(trade_offs):
         label = f"{plural(len(trade_off.gains), 'gain')}, {_MEANS[trade_off.meaning]}"
         # over trim; `_broken`: NaN in place of infinity, so that the curve has a gap
-        columns.append(Column(label, _broken(trade_off.relative)))
+        columns.append(Column(label, _nan_for_infinity(trade_off.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
     columns += [
         Column(name, np.full(disk.shape, value)) for name, value in trade_offs[0].limits.items()
@@ -203,7 +206,7 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     return plot
 
 
-def _broken(values: FloatArray) -> FloatArray:
+def _nan_for_infinity(values: FloatArray) -> FloatArray:
     """Return the values with NaN instead of infinity, where no deflection is sufficient."""
     return np.where(np.isinf(values), np.nan, values)
 

@@ -607,5 +607,8 @@ def _unknown(bounds: dict[str, Any]) -> dict[str, Any]:
 
 
 def outlasts_single_pole(study: Study) -> bool:
-    """Return whether the wind of a study lasts longer than `single_pole_validity` allows."""
+    """Return whether the wind of a study is so long that the slow pole requires more deflection.
+
+    That is more than the fast unstable pole requires by itself, as formulas of one pole suppose.
+    """
     return bool(study.wind.duration > single_pole_validity(study.coefficients))

@@ -367,7 +367,7 @@ class SoundingWinds:
         dynamic pressure. `more`: function from heights [m] to a wind speed that is added [m/s], as
         of a gust. An end that no too large angle cuts off is the end of the flight.
         """
-        height = self.breakpoints(path, strong=False)
+        height = self.breakpoints(path, entire=False)  # within the levels of each sounding
         wind = np.hypot(
             self.interpolated(self.east, height), self.interpolated(self.north, height)
         ) + more(height)
@@ -398,12 +398,12 @@ class SoundingWinds:
         outside = (height < self.bottom[:, np.newaxis]) | (height > self.top[:, np.newaxis])
         return np.asarray(outside | (self.interpolated(edge, height) > 0.5))
 
-    def breakpoints(self, path: FlightPath, strong: bool) -> FloatArray:
+    def breakpoints(self, path: FlightPath, entire: bool) -> FloatArray:
         """Return k heights [m] for each of n soundings: of its levels, and of rows of the flight.
 
         `path`: path of the flight. The heights are from the lowest to the highest level (`bottom`,
-        `top`). With `strong`, a strong wind beyond them, they are along the entire flight, with two
-        more where the wind becomes unknown. Soundings with fewer levels repeat heights.
+        `top`); if `entire`, along the entire flight, with two more where the wind becomes unknown.
+        Soundings with fewer levels repeat heights.
         """
         counts = np.diff(self.offsets)  # levels of each sounding; the last one is repeated
         index = np.minimum(np.arange(counts.max(initial=0)), counts[:, np.newaxis] - 1)
@@ -411,7 +411,7 @@ class SoundingWinds:
         first, last = path.height[0], path.height[-1]
         low, high = (np.clip(end, first, last)[:, np.newaxis] for end in (self.bottom, self.top))
         rows = np.broadcast_to(path.height, (counts.size, path.height.size))
-        if strong:
+        if entire:
             edges = np.stack([self.bottom - _EDGE_DISTANCE, self.top + _EDGE_DISTANCE], axis=1)
             levels = np.concatenate([levels, edges], axis=1)
             low, high = np.full_like(low, first), np.full_like(high, last)

@@ -347,7 +347,8 @@ def _work(
     remove_stale_files(folder)
     first, step = _shard(shard)
     chunks = range(first, campaign.chunks, step)
-    sizes = {k: campaign.span(k)[1] for k in chunks}  # number of cases by chunk
+    spans = {k: campaign.span(k) for k in chunks}
+    sizes = {k: count for k, (_, count) in spans.items()}  # number of cases by chunk
     total, done = sum(sizes.values()), 0
     if executor is not None and not available():
         # workers without numba do not warn that they are slow: a case here warns of all cases

@@ -70,7 +70,7 @@ class CampaignResults(Tabled):
     @derived()
     def cases(self) -> int:
         """Number of cases in the finished chunks."""
-        return sum(self.campaign.span(k)[1] for k in self.chunks)
+        return sum(count for _, count in map(self.campaign.span, self.chunks))
 
     @property
     @derived()

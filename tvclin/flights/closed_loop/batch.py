@@ -160,12 +160,12 @@ def sensed_rows(plant: LinearSystem) -> FloatArray:
 class Hardware:
     """Hardware between a law and the deflection.
 
-    `length`: sample period [s]. `delay`: computing delay [s]. `actuator`: one or a batch, which
+    `period`: sample period [s]. `delay`: computing delay [s]. `actuator`: one or a batch, which
     broadcasts with them. `rate_limit`: limit of the deflection rate [rad/s], of the shape of the
     flights.
     """
 
-    length: float | FloatArray
+    period: float | FloatArray
     delay: float | FloatArray
     actuator: Actuator | None = None
     rate_limit: float | FloatArray = np.inf
@@ -174,7 +174,7 @@ class Hardware:
     def batch(self) -> tuple[int, ...]:
         """Shape of the batch of sample periods, delays and actuators, without the rate limit."""
         actuators = () if self.actuator is None else self.actuator.batch
-        return np.broadcast_shapes(actuators, np.shape(self.length), np.shape(self.delay))
+        return np.broadcast_shapes(actuators, np.shape(self.period), np.shape(self.delay))
 
     def select(
         self, which: IntArray, shape: tuple[int, ...], flights: IntArray, flown: tuple[int, ...]
@@ -189,9 +189,9 @@ class Hardware:
             damping = None if actuator.damping is None else elements(actuator.damping, shape, which)
             frequency = elements(actuator.natural_frequency, shape, which)
             actuator = Actuator(natural_frequency=frequency, damping=damping)
-        length, delay = (elements(a, shape, which) for a in (self.length, self.delay))
+        period, delay = (elements(a, shape, which) for a in (self.period, self.delay))
         rate_limit = elements(self.rate_limit, flown, flights)
-        return Hardware(length, delay, actuator=actuator, rate_limit=rate_limit)
+        return Hardware(period, delay, actuator=actuator, rate_limit=rate_limit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -362,10 +362,10 @@ def _steps(batch: Batch, plant: LinearSystem, terms: int) -> Steps:
     driven by a deflection that is a straight line.
     """
     hardware, shape = batch.hardware, batch.vehicles
-    length, delay = (spread_to(a, shape) for a in (hardware.length, hardware.delay))
+    period, delay = (spread_to(a, shape) for a in (hardware.period, hardware.delay))
     with_actuator = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
-    with_actuator = with_actuator.cases(np.arange(length.size), shape)  # batch axis (p,)
-    timing = Timing.of(hardware, shape, length, delay)
+    with_actuator = with_actuator.cases(np.arange(period.size), shape)  # batch axis (p,)
+    timing = Timing.of(hardware, shape, period, delay)
     return steps_of(with_wind(with_actuator, terms), with_ramp(plant), plant, timing, terms)
 
 
@@ -382,20 +382,20 @@ class Timing(NamedTuple):
 
     @classmethod
     def of(
-        cls, hardware: Hardware, shape: tuple[int, ...], length: FloatArray, delay: FloatArray
+        cls, hardware: Hardware, shape: tuple[int, ...], period: FloatArray, delay: FloatArray
     ) -> Timing:
         """Return the timing of the samples of p vehicles.
 
         A delay is whole samples, `late`, and a rest, after which a command arrives within a sample.
         The intervals are the sample itself, its part after the arrival, and with a rest its part
         before that; each has `lengths` and a number of `substeps`. `hardware`: gives the actuators.
-        `shape`: shape of the batch of vehicles. `length`, `delay`: sample periods and computing
+        `shape`: shape of the batch of vehicles. `period`, `delay`: sample periods and computing
         delays [s], ``(p,)``. `bandwidth` [1/s] is zero for an actuator of second order, 1e100
         without one.
         """
-        late, rest = split_delay(delay, length)
-        parts = [length - rest, rest] if np.any(rest) else [length]
-        lengths = np.stack([length, *parts], axis=-1)
+        late, rest = split_delay(delay, period)
+        parts = [period - rest, rest] if np.any(rest) else [period]
+        lengths = np.stack([period, *parts], axis=-1)
         substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
         bandwidth = np.minimum(
             spread_to(rate_per_distance(hardware.actuator), shape), _IDEAL_BANDWIDTH
@@ -463,7 +463,7 @@ def _cases(
     `criteria_index`: index in `judges` of each of p vehicles, ``(p,)``.
     """
     shape, (vehicle, encountered) = batch.shape, batch.indices
-    h = spread_to(batch.hardware.length, batch.vehicles)[vehicle]  # sample periods [s], (m,)
+    h = spread_to(batch.hardware.period, batch.vehicles)[vehicle]  # sample periods [s], (m,)
     start, end = (a.ravel()[encountered] for a in (batch.wind.onset, batch.wind.end))
     has_reach = ~np.isnan(judges.reach[criteria_index][vehicle])
     waiting, settling = (

@@ -326,8 +326,8 @@ def flown_margins(
     ratio = level / scale if scale > 0.0 else np.inf
     highest = min(max(_DEFAULT_HIGHEST, ratio), _MAX_LIMIT)
     boundary = closed_loop_boundary(plant, law, wind, cuts=cuts, highest=highest, **options)
-    length = 1.0 / float(sample_rate)
-    hardware = Hardware(length, float(delay), actuator=actuator, rate_limit=float(rate_limit))
+    period = 1.0 / float(sample_rate)
+    hardware = Hardware(period, float(delay), actuator=actuator, rate_limit=float(rate_limit))
     flight = one_flight(plant, law, wind, level, hardware)
     pole = float(unstable_coordinates(plant.rigid).poles[0])
     worst = dominant_pole(flight)
@@ -342,9 +342,10 @@ def flown_margins(
             "law must hold the vehicle near rest before anything changes; there a mode of this"
             f" loop grows with {worst.real:+.3g} 1/s{_REMEDY if is_slow else ''}"
         )
-    winds = winds_with_stops(wind, cuts, length)  # the wind, and with a sudden stop at each cut
+    winds = winds_with_stops(wind, cuts, period)  # the wind, and with a sudden stop at each cut
     flights = _Flights(plant, law, winds, {"deflection_limit": level, **options})
-    if flights.survive("gain_rise", np.ones(1))[0] != SURVIVED:
+    (unchanged,) = flights.survive("gain_rise", np.ones(1))  # status with the gain times one
+    if unchanged != SURVIVED:
         known = boundary.limit < np.inf
         required_deg = np.degrees(scale * (boundary.limit if known else highest))
         needs = f"{'' if known else 'more than '}{required_deg:.4g} deg"

@@ -178,9 +178,9 @@ def flight_responses(
             )
         rows = _continuous(plant, law, wind, times, (limit, max_rate), actuator, factor)
     else:
-        length = 1.0 / check_sample_rate(sample_rate, actuator)
-        late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(length)))
-        hardware = Hardware(length, late, actuator=actuator, rate_limit=max_rate)
+        period = 1.0 / check_sample_rate(sample_rate, actuator)
+        late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(period)))
+        hardware = Hardware(period, late, actuator=actuator, rate_limit=max_rate)
         rows = _sampled(plant, law, wind, times, limit, hardware, factor)
     system = law.lateral_sensors.system(plant)
     outputs = np.vstack([outputs_of(system, rows, wind(times)), rows[-1:]])
@@ -291,11 +291,11 @@ def _sampled(
     actuator and rate limit. `gain`: factor on the demand of the law. `InputError` for too many
     samples, and a plant too fast for them.
     """
-    length = float(hardware.length)
+    period = float(hardware.period)
     start, last = float(wind.onset), float(times.max())
-    check_samples(max(last - start, 0.0), length)
-    check_fastest_pole(plant, length)
-    until = max(last, start) + length
+    check_samples(max(last - start, 0.0), period)
+    check_fastest_pole(plant, period)
+    until = max(last, start) + period
     return tracked(one_flight(plant, law, wind, limit, hardware, gain, until), times).rows
 
 
@@ -382,27 +382,27 @@ def fly_nozzle(
     )
 
 
-def times_per_sample(plant: AnyPlant, actuator: Actuator | None, length: float) -> int:
-    """Return the even number of times in a sample `length` [s] that resolve the fastest pole."""
+def times_per_sample(plant: AnyPlant, actuator: Actuator | None, period: float) -> int:
+    """Return the even number of times in a sample `period` [s] that resolve the fastest pole."""
     poles = np.zeros(1) if actuator is None else np.roots(actuator.denominator)
     fastest = max(float(np.abs(poles).max()), float(fastest_poles(plant)))
-    return max(2 * int(np.ceil(_TIMES_PER_RADIAN * fastest * length / 2.0)), _MIN_TIMES)
+    return max(2 * int(np.ceil(_TIMES_PER_RADIAN * fastest * period / 2.0)), _MIN_TIMES)
 
 
-def _max_duration(start: float, stop: float, length: float, per_sample: int) -> float:
+def _max_duration(start: float, stop: float, period: float, per_sample: int) -> float:
     """Return the longest motion [s] of a nozzle; `InputError` for a longer wind.
 
-    `start`, `stop`: onset and end of the wind [s]. `length`: sample period [s]. `per_sample`:
+    `start`, `stop`: onset and end of the wind [s]. `period`: sample period [s]. `per_sample`:
     number of times in a sample at which the motion is computed, at most `_MAX_TIMES` in all.
     """
     check_span(start, stop)
-    check_samples(stop - start, length)
-    longest = _MAX_TIMES / per_sample * length
+    check_samples(stop - start, period)
+    longest = _MAX_TIMES / per_sample * period
     if stop - start > longest:
         lower = ", or a lower sample rate" if per_sample == _MIN_TIMES else ""
         raise InputError(
             f"the wind of a nozzle's motion may last at most {longest:.4g} s, with {per_sample}"
-            f" times in a sample at {1.0 / length:.4g} Hz; got {stop - start:.6g} s: take a wind"
+            f" times in a sample at {1.0 / period:.4g} Hz; got {stop - start:.6g} s: take a wind"
             f" that ends earlier{lower}"
         )
     return longest

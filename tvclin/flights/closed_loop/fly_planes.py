@@ -61,12 +61,12 @@ def plane_flights(
     this plane. `component`: component of the vector `wind` in it. `limit`: deflection limits of the
     plane [rad], ``(m,)``. `hardware`: sample period, delay, actuator and rate limit.
     """
-    laws, length = law_batch(law, limit.shape), float(hardware.length)
+    laws, period = law_batch(law, limit.shape), float(hardware.period)
     batch = Batch(plant, hardware, component, laws, limit=limit, shape=limit.shape)
     with np.errstate(invalid="ignore"):  # a plane without wind
         f = flights(batch)
     onset = float(wind.onset)
-    ends = int(np.ceil((float(wind.end) - onset) / length - 1e-9))  # samples; 1e-9 is rounding
+    ends = int(np.ceil((float(wind.end) - onset) / period - 1e-9))  # samples; 1e-9 is rounding
     f.cases.start[:], f.cases.ends[:] = onset, ends
     f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _MAX_SAMPLES_AFTER_WIND)
     # index of the last breakpoint of the component that is not after the onset
@@ -314,10 +314,10 @@ def fly_planes(
     _check(wind, actuator)
     rate = check_sample_rate(sample_rate, actuator)
     limit = small_angle("a deflection", positive)("deflection_limit", deflection_limit)
-    length = np.asarray(1.0 / rate)
-    delays = check_delays(number("delay", delay), length)
+    period = np.asarray(1.0 / rate)
+    delays = check_delays(number("delay", delay), period)
     max_rate = check_rate_limit(rate_limit)
-    hardware = Hardware(length, delays, actuator=actuator, rate_limit=max_rate)
+    hardware = Hardware(period, delays, actuator=actuator, rate_limit=max_rate)
     for plane_plant in planes:
         check_fastest_pole(plane_plant, 1.0 / rate)
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
@@ -431,23 +431,23 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
 
 
 def _record(
-    outcomes: PlaneOutcomes, start: float, length: float, shape: tuple[int, ...]
+    outcomes: PlaneOutcomes, start: float, period: float, shape: tuple[int, ...]
 ) -> FlownPlanes:
     """Return the outcomes as a public record, in the shape of the limits.
 
     Saturated samples become a fraction of all, and the last sample a time. Attitude and deflection
-    over time are of a single flight, else empty. `start`: start of the flights [s]. `length`:
+    over time are of a single flight, else empty. `start`: start of the flights [s]. `period`:
     sample period [s]. `shape`: shape of the limits.
     """
     shown = np.array(outcomes.shown).reshape(-1, 2)
-    end: FloatArray = np.asarray(start + outcomes.ended * length)
+    end: FloatArray = np.asarray(start + outcomes.ended * period)
     return FlownPlanes(
         peak_attitude=outcomes.attitude.reshape(shape),
         peak_deflection=outcomes.deflection.reshape(shape),
         saturated_time_fraction=(outcomes.saturated / np.maximum(outcomes.ended, 1)).reshape(shape),
         end_time=end.reshape(shape),
         status=np.array(STATUS)[outcomes.outcome].reshape(shape),
-        time=np.asarray(start + length * np.arange(len(shown))),
+        time=np.asarray(start + period * np.arange(len(shown))),
         attitude=shown[:, 0],
         deflection=shown[:, 1],
     )

@@ -49,7 +49,7 @@ def dominant_pole(batch: Batch) -> complex:
     values = np.linalg.eigvals(equilibrium_step(batch)).astype(complex)
     worst = values[np.abs(values).argmax()]
     growth = np.log(max(abs(worst), np.finfo(float).tiny))
-    return complex(growth, abs(np.angle(worst))) / float(batch.hardware.length)
+    return complex(growth, abs(np.angle(worst))) / float(batch.hardware.period)
 
 
 def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
@@ -71,9 +71,8 @@ def oscillation_growth(batch: Batch, f: Flights) -> FloatArray:
     # states of the system and of the law, and delayed commands; blocks of loops bound the memory
     size = f.now.y.shape[1] + f.now.states.shape[1] + f.now.commands.shape[1]
     blocks = np.array_split(first, -(-first.size * size // _MAX_ROWS))
-    eigenvalues = np.concatenate(
-        [np.linalg.eigvals(loop_steps(batch, f, block)[0]) for block in blocks]
-    )
+    step_matrices = (steps for steps, _ in (loop_steps(batch, f, block) for block in blocks))
+    eigenvalues = np.concatenate([np.linalg.eigvals(steps) for steps in step_matrices])
     values = eigenvalues.astype(complex)[which.ravel()]
     h = f.steps.lengths[f.cases.vehicle, 0]
     frequencies = np.abs(np.angle(values)) / h[:, np.newaxis]
@@ -252,7 +251,7 @@ def linear_gain_margins(batch: Batch, name: str, pole: float) -> tuple[float, fl
     "effectiveness" of the nozzle. `pole`: fastest unstable pole of the plant [1/s].
     """
     hardware = batch.hardware
-    samples, remainder = split_delay(hardware.delay, hardware.length)  # whole samples, and [s]
+    samples, remainder = split_delay(hardware.delay, hardware.period)  # whole samples, and [s]
     loop = _response(batch.delayed(remainder), name, float(samples))
     angles = _angles(batch, pole, float(samples))
     real = [_ZERO_ANGLE, *_roots(lambda a: loop(a).imag, angles), np.pi]
@@ -275,7 +274,7 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
     """
     from scipy.optimize import brentq
 
-    h = float(batch.hardware.length)
+    h = float(batch.hardware.period)
     present = float(batch.hardware.delay) / h
     angles = _angles(batch, pole, 0.0)
 
@@ -340,14 +339,13 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
 
 
 def _angles(batch: Batch, pole: float, samples: float) -> FloatArray:
-    """Return rising angles theta [rad] up to pi that resolve the response at z = e^(j theta).
+    """Return ascending angles theta [rad] up to pi that resolve the response at z = e^(j theta).
 
-    `batch`: one flight, of whose loop it is. `pole`: fastest unstable pole of the plant [1/s].
-    `samples`: delay in samples, with which the phase turns.
+    `batch`: one flight, of whose loop it is, with its sample period. `pole`: fastest unstable pole
+    of the plant [1/s]. `samples`: delay in samples, with which the phase turns.
     """
-    logarithmic = np.geomspace(
-        _MIN_FREQUENCY_OVER_POLE * pole * float(batch.hardware.length), np.pi, _LOGARITHMIC_ANGLES
-    )
+    lowest = _MIN_FREQUENCY_OVER_POLE * pole * float(batch.hardware.period)  # theta [rad]
+    logarithmic = np.geomspace(lowest, np.pi, _LOGARITHMIC_ANGLES)
     turns = np.linspace(0.0, np.pi, int(_ANGLES_PER_TURN * samples) // 2 + 2)
     return np.union1d(logarithmic, turns[1:-1])
 

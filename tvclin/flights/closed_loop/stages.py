@@ -507,10 +507,11 @@ class Stages:
 
     @cached_property
     def _memory(self) -> Memory:
-        """Step matrices of the states of the law and its filters over a sample, see `Memory`.
+        """Step matrices of the states of the law and its filters over a sample.
 
         One for each sample where a filter varies along the flight, else one for all. The state of a
-        law without filters is the integral of the attitude, if it is fed back.
+        law without filters is the integral of the attitude, if it is fed back. The rows `inputs`
+        and `demand` give the filtered sensor outputs and the filtered demand.
         """
         laws, count = self.laws, self.times.size
         integral = attitude_integral(bool(np.any(laws.integral_gain)))

@@ -362,9 +362,9 @@ def closed_loop_boundary(
     check_flight(plant, law, wind)
     check_engine(plant, actuator)
     modes = unstable_coordinates(plant.rigid)
-    length = 1.0 / check_sample_rate(sample_rate, actuator)
+    period = 1.0 / check_sample_rate(sample_rate, actuator)
     max_rate = check_rate_limit(rate_limit)
-    check_samples(1.0 / float(modes.poles[0]), length)
+    check_samples(1.0 / float(modes.poles[0]), period)
     factor = errors.number("gain", gain, errors.positive)
     low, high = (
         errors.number(
@@ -375,12 +375,12 @@ def closed_loop_boundary(
     if low >= high:
         raise errors.InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
     delays = float(
-        check_delays(errors.number("delay", delay, errors.nonnegative, "s"), np.asarray(length))
+        check_delays(errors.number("delay", delay, errors.nonnegative, "s"), np.asarray(period))
     )
     scale = abs(float(plant.coefficients.B) * float(wind.peak))  # the largest trim deflection [rad]
-    check_fastest_pole(plant, length)
-    winds = winds_with_stops(wind, cuts, length)
-    hardware = Hardware(length, delays, actuator=actuator, rate_limit=max_rate)
+    check_fastest_pole(plant, period)
+    winds = winds_with_stops(wind, cuts, period)
+    hardware = Hardware(period, delays, actuator=actuator, rate_limit=max_rate)
 
     @cache
     def flight(wind: History) -> Callable[[FloatArray], Words]:
