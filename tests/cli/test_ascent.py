@@ -376,8 +376,8 @@ def test_a_gust_on_top_of_the_wind_is_added_when_it_is_asked_for() -> None:
 
 def test_a_gust_that_cannot_be_is_refused() -> None:
     for arguments, words in (
-        (("--gust", "0", "2"), "--gust must be other than zero"),
-        (("--gust", "1", "-2"), "--gust must be positive"),
+        (("--gust", "0", "2"), "--gust (peak) must be other than zero"),
+        (("--gust", "1", "-2"), "--gust (duration) must be positive"),
         (gust_of(-3, peak_time_s=8), "must not change its sign"),
     ):
         result = run("study", *arguments)

@@ -193,7 +193,7 @@ def test_what_is_assumed_of_a_table_without_units_is_told_and_can_be_said(tmp_pa
 def test_a_folder_of_tables_without_units_is_read_alike(tmp_path) -> None:
     for day in (15, 16):
         (tmp_path / f"2024-02-{day}_12.csv").write_text(BARE)
-    with pytest.raises(tv.InputError, match="holds no sounding: 2 files"):
+    with pytest.raises(tv.InputError, match="^[^ ]+ holds no sounding: 2 files"):
         tv.read_soundings(tmp_path, format="igra")
     for form in (None, "openrocket"):
         soundings = tv.read_soundings(tmp_path, format=form, units="ft,mph,deg", above_ground=100.0)

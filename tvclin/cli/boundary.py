@@ -15,7 +15,7 @@ from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.options import GROUP, MOTION, SOURCE_HELP, At, More, Options, ShownCurves, option
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
-from tvclin.cli.wind import WindOptions
+from tvclin.cli.wind import WindOptions, cut_condition
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.requirement.case_requirement import study_requirement
@@ -38,8 +38,6 @@ DEAD_BANDS = [1.0, 0.75, 0.5, 0.25, 0.0]
 _IN_WIND = "a vehicle and no --tau-beta (tvclin boundary VEHICLE)"
 """What an answer in the wind of a case takes."""
 _CUT = "this part of the sounding, cut to {:g} s with steps at its ends,"
-_OF_CUT = "; the whole sounding may require less"
-"""Condition of the minimum peak in a sounding whose window begins or ends with a step."""
 
 
 def boundary(
@@ -231,8 +229,8 @@ def _verdict(known_wind: KnownWind, case: StudyPlan) -> str:
     """
     if not isinstance(case.wind, SoundingWind):
         return known_wind.verdict("this wind")
-    if np.any(case.wind.steps(case.vehicle, case.plane)):
-        return known_wind.verdict(_CUT.format(case.wind.window)) + _OF_CUT
+    if condition := cut_condition(case):
+        return known_wind.verdict(_CUT.format(case.wind.window)) + condition
     return known_wind.verdict("this part of the sounding")
 
 

@@ -36,7 +36,7 @@ from tvclin.cli.options import (
     switch,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, waiting
-from tvclin.cli.wind import FlightOptions, WindOptions
+from tvclin.cli.wind import FlightOptions, WindOptions, cut_condition
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
@@ -158,7 +158,7 @@ def _print_in_a_wind(
         shown.as_json,
         lambda: winds.document(case, required) | result.document,
         lambda: print_answer(
-            result.verdict(required),
+            result.verdict(required) + cut_condition(case),
             *result.tables,
             notes=result.notes,
             more=more,

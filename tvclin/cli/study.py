@@ -61,8 +61,8 @@ class StudyWind(PulseOptions):
         if self.gust is None:
             return plan
         peak, duration = self.gust
-        radians = float(np.radians(number("--gust", peak, nonzero)))
-        gust = gust_of(radians, float(number("--gust", duration, positive)))
+        radians = float(np.radians(number("--gust (peak)", peak, nonzero)))
+        gust = gust_of(radians, float(number("--gust (duration)", duration, positive)))
         return replace(plan, wind=replace(pulse_of(plan), gust=gust, gust_at=None, gust_speed=None))
 
 

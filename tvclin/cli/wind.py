@@ -306,6 +306,18 @@ def wind_direction(plan: StudyPlan) -> str:
     return "head" if float(plan.history.peak) < 0.0 else "tail"
 
 
+def cut_condition(case: Case) -> str:
+    """Return the condition on a lower bound in a sounding that is cut, in words.
+
+    Empty for other winds, and where the window of the sounding begins and ends in calm: with a step
+    at an end a part of the sounding may require more than all of it.
+    """
+    wind = case.wind
+    if not isinstance(wind, SoundingWind) or not np.any(wind.steps(case.vehicle, case.plane)):
+        return ""
+    return "; the whole sounding may require less"
+
+
 def note_sounding(wind: SoundingWind, case: Case, window: float | None) -> None:
     """Print notes on a sounding, and one on its window if it cuts the wind or is the default.
 

@@ -597,7 +597,8 @@ def _notes(
         pressure = "; the dynamic pressure is the largest of the interval"
         yield (
             "a measured wind is counted from the middle between two flight times to the next, so"
-            f" that no interval counts twice{'' if conditions.case.sign == FROZEN else pressure}"
+            f" that no interval counts twice{'' if conditions.case.sign == FROZEN else pressure};"
+            " the minima are of all of it past the vehicle as it is then, and may be larger"
         )
     if any(point.direction == "head" for point in points):
         yield (

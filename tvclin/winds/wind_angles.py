@@ -137,9 +137,13 @@ def angle_from_speed(
     with np.errstate(over="ignore"):  # an infinite ratio is refused with the others
         sine = speed * np.sin(path) / velocity
     if np.any(np.abs(sine) > 1.0):
+        speeds, velocities, paths = np.broadcast_arrays(np.abs(speed), velocity, path)
+        k = np.argmax(np.abs(sine))
         raise errors.NotKnownError(
-            "speed must stay below velocity / sin(flight_path_angle), or none can meet it; got a"
-            f" ratio of {np.abs(sine).max():.6g}"
+            f"no wind angle exists for a wind of {speeds.flat[k]:.4g} m/s across a path at"
+            f" {np.degrees(paths.flat[k]):.4g} deg with {velocities.flat[k]:.4g} m/s relative to"
+            " the air: speed sin(flight_path_angle) must stay below velocity; give a slower wind,"
+            " or a later flight time"
         )
     return np.arcsin(sine)
 

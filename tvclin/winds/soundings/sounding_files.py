@@ -278,7 +278,9 @@ def read_soundings(
     if not collection.pieces and not collection.stations and collection.counted:
         remark, (count, where) = next(iter(collection.counted.items()))
         remark = remark.replace("files", "file", 1) if count == 1 else remark
-        raise errors.InputError(f"source holds no sounding: {count} {remark} (the first: {where})")
+        sources = [source] if isinstance(source, str | PathLike) else list(source)
+        name = called(Path(sources[0]).name) if len(sources) == 1 else "source"
+        raise errors.InputError(f"{name} holds no sounding: {count} {remark} (the first: {where})")
     return collection.soundings(sounding_filter.utc_offset)
 
 
