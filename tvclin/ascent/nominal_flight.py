@@ -187,7 +187,7 @@ class NominalFlight:
         `speed`: relative to the air; both may be arrays of one shape.
         """
         density = density_at(altitude) if np.ndim(altitude) == 0 else air_at(altitude).density
-        return density / self._density * (speed / self.vehicle.velocity) ** 2
+        return density / self._nominal_density * (speed / self.vehicle.velocity) ** 2
 
     def dynamic_pressure(self, t: ArrayLike) -> FloatArray:
         """Return the dynamic pressure [Pa] at times of flight `t` [s], in their shape."""
@@ -255,7 +255,7 @@ class NominalFlight:
         return time_of(self.vehicle)
 
     @cached_property
-    def _density(self) -> float:
+    def _nominal_density(self) -> float:
         """Density of the air [kg/m^3] at the time of the vehicle."""
         return self.condition.density
 

@@ -233,7 +233,7 @@ def sensitivities(inputs: dict[str, FloatArray], output: ArrayLike) -> dict[str,
 
 
 def _ranks(values: ArrayLike) -> FloatArray:
-    """Return the ranks of values, from one, ``(n,)``; equal values have their mean rank.
+    """Return the ranks of n values, from one, ``(n,)``; equal values have their mean rank.
 
     As `scipy.stats.rankdata`, whose import takes longer than a study.
     """

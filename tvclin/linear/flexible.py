@@ -219,7 +219,7 @@ class FlexiblePlant(Shown, WithCoefficients):
 
     @cached_property
     def poles(self) -> ComplexArray:
-        """Poles of the airframe [1/s], without the sensors', by falling real part, ``(..., n)``."""
+        """The n poles of the airframe [1/s], without the sensors', ``(..., n)``, fastest first."""
         A, _ = self._airframe  # without sensors
         poles = np.linalg.eigvals(A).astype(complex)
         order = np.lexsort((-poles.imag, -poles.real), axis=-1)
@@ -377,7 +377,7 @@ class FlexiblePlant(Shown, WithCoefficients):
     def _airframe(self) -> tuple[FloatArray, FloatArray]:
         """A ``(..., n, n)`` and B ``(..., n, inputs)`` of the vehicle without its sensors.
 
-        The states are the attitude, its rate, and of the models that have them the flight path
+        The n states are the attitude, its rate, and of the models that have them the flight path
         angle gamma (state 2) and the relative speed (state 3), then each mode and tank with its
         rate. gamma' = (z'' - V' gamma)/V, with the acceleration z'' normal to the path and the rate
         V' of the speed.

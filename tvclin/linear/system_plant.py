@@ -338,7 +338,7 @@ class SystemPlant(Plant):
     def _eigenvectors(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Poles p ``(..., n)`` by falling real part, rows l and columns r, ``(..., n, n)``.
 
-        They are eigenvectors of the state matrix: l A = p l and A r = p r.
+        They are eigenvectors of the state matrix A of n states: l A = p l and A r = p r.
         """
         return eigenvectors(self._system.A)
 

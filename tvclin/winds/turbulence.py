@@ -252,10 +252,10 @@ class Turbulence(Record):
 
     @cached_property
     def normalised_filter(self) -> FilterMatrices:
-        """A ``(n, n)``, b ``(n, 1)`` and c ``(1, n)`` of the wind from unit white noise v.
+        """A ``(n, n)``, b ``(n, 1)`` and c ``(1, n)`` of the wind w from unit white noise v.
 
-        The filter is dx/dxi = A x + b v, w = c x, over the distance xi flown normalised by the
-        scale length, in the controllable canonical form; the variance of w is one.
+        The filter of n states x is dx/dxi = A x + b v, w = c x, over the distance xi flown
+        normalised by the scale length, in the controllable canonical form; the variance of w is 1.
         """
         # in s, lowest power first
         numerator, denominator = (np.array(p) for p in _FILTERS[self.spectrum, self.component])

@@ -351,7 +351,7 @@ class EncounteredWind:
         return self.angle + self.speed
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and q/q_n at times [s], ``(n, ...)`` each.
+        """Return wind angles of attack [rad] and q/q_n of n winds at times [s], ``(n, ...)`` each.
 
         q/q_n is the dynamic pressure over the nominal one. Both are NaN where no horizontal wind
         along the path has the angle.

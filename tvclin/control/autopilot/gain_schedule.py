@@ -334,7 +334,7 @@ class EqualValues(Tabled):
 
     @property
     def difference(self) -> FloatArray:
-        """Relative difference of the gains at the two times of each pair, ``(k,)``.
+        """Relative difference of the gains at the two times of each of k pairs, ``(k,)``.
 
         It is ``|ln(ratio)|`` of attitude or rate gain, the larger; a gain that is zero at both
         times does not count.

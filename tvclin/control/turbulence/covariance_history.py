@@ -175,10 +175,10 @@ class CovarianceHistory(GaussianOutputs):
         return float(np.exp(-self.crossings(limit, output)))
 
     def quantile(self, probability: float, output: str = DEFLECTION) -> FloatArray:
-        """Return the value of an output that is not exceeded with a probability, ``(n,)``.
+        """Return the value that an output is below with a probability, at each time, ``(n,)``.
 
-        Of the output itself, with its sign, at each time; in SI units. `InputError` for an unknown
-        output and a probability that is not above 0 and below 1.
+        Of the output itself, with its sign, in SI units, at the n `times`. `InputError` for an
+        unknown output and a probability that is not above 0 and below 1.
         """
         from scipy.special import ndtri  # late: scipy takes long to import
 

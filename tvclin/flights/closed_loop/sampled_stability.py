@@ -281,8 +281,8 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
     def samples(fraction: float) -> float:
         """Return the smallest n, a real number, with a mode at the stability limit; inf if none.
 
-        The delay is n + `fraction` samples, and at least the `present` one. With the fraction alone
-        the loop has the response l at z = e^(j theta). A mode is at the limit where
+        The delay is n + `fraction` samples h, and at least the `present` one. With the fraction
+        alone the loop has the response l at z = e^(j theta). A mode is at the limit where
         l e^(-j n theta) = 1: at each angle theta of ``|l| = 1`` for n = arg(l)/theta.
         """
         loop = _response(batch.delayed(fraction * h), "gain", samples=0.0)

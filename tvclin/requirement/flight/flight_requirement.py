@@ -97,7 +97,7 @@ class FlightMode:
     def matrices(self, t: Any) -> tuple[FloatArray, FloatArray]:
         """Return A ``(..., m, m)`` and the columns of deflection and wind ``(..., m, 2)``.
 
-        `t`: times [s], ``(...)``.
+        Of x' = A x + b delta + w alpha_w with m states. `t`: times [s], ``(...)``.
         """
         equations = self._equations(t)
         order = equations.shape[-2]

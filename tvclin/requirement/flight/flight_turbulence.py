@@ -306,7 +306,7 @@ class LoopOverFlight:
         return design(inside)
 
     @property
-    def _air_is_table(self) -> bool:
+    def _follows_altitude(self) -> bool:
         """Whether the intensity follows the altitudes of the flight."""
         return self.request.intensity is None and self.schedule.altitude is not None
 
@@ -318,8 +318,7 @@ class LoopOverFlight:
         `wind`: known wind [rad], to which the mean is the response; without it the mean is zero.
         `pressure`: ratio of the dynamic pressure to the nominal one, at the times of the schedule.
         """
-        of_altitude = self._air_is_table  # whether the intensity follows the altitudes
-        turbulence = self.request.over_altitude if of_altitude else self.request.at()
+        turbulence = self.request.over_altitude if self._follows_altitude else self.request.at()
         vehicle, plane = at_pressure(self.schedule.vehicle, pressure), self.case.plane
         flown = replace(self.schedule, vehicle=vehicle)
         return turbulence_along(
@@ -334,7 +333,7 @@ class LoopOverFlight:
         """
         schedule, at = self.schedule, np.asarray(time)
         height = None
-        if self._air_is_table:
+        if self._follows_altitude:
             height = float(np.interp(time, schedule.times, schedule.height))
         plant = plants_along(schedule, at, self.model, self.case.plane, pressure)
         autopilot = autopilot_along(self.gains, schedule, at)

@@ -83,8 +83,8 @@ class RangeReference:
     def component(self, percentile: float, azimuth: float) -> FloatArray:
         """Return the wind component towards an azimuth [rad] at a percentile [m/s], ``(n,)``.
 
-        Each height has its own bivariate normal distribution of the winds towards east and north,
-        whose component is normal. `percentile`: above 0 and below 100.
+        Each of n heights has its own bivariate normal distribution of the winds towards east and
+        north, whose component is normal. `percentile`: above 0 and below 100.
         """
         from scipy.special import ndtri  # late: import time
 
