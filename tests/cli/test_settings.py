@@ -171,6 +171,10 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
     ("arguments", "said"),
     [
         (("study", "--limit", "3"), "did you mean --limit-deg?"),
+        (("study", "--time", "60"), "tvclin study takes no --time: did you mean --at?"),
+        (("study", "--shape", "triangular"), "takes no --shape: did you mean --wind?"),
+        (("study", "--gust", "3"), "Error: --gust takes 2 values, DEG S"),
+        (("study", "--gust", "3deg", "2s"), "Error: --gust takes 2 values, DEG S"),
         (("margins", "--delay", "0.05"), "did you mean --delay-ms?"),
         (("fly", "--rate-limit-deg", "5"), "--set nozzle.rate_limit_deg_per_s VALUE gives it"),
         (("nozzle", "--rate-gain", "5"), "--set autopilot.rate_gain_s VALUE gives it"),

@@ -281,6 +281,11 @@ def _usage(error: Any, group: Any) -> str:
     if unknown and (message := _refused_option(context, path, option)):
         return message
     param = getattr(error, "param", None)  # of a wrong value
+    if kind == "BadOptionUsage" and group is not None and group.invoked_subcommand in NAMES:
+        taken = getattr(group.command.commands[group.invoked_subcommand], "params", ())
+        param = next((item for item in taken if option in item.opts), None)  # of too few values
+    if param is not None and param.nargs > 1:
+        return f"{param.opts[0]} takes {param.nargs} values, {param.metavar}"
     if kind == "BadParameter" and param is not None:
         if valid := re.search(r"\bvalid (number|float|integer)\b", error.message):
             return f"{param.opts[0]} must be {_NUMBERS[valid[1]]}"
@@ -299,7 +304,7 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
     command with the program, as "tvclin study".
     """
     from tvclin.case.features import refusal
-    from tvclin.cli.settings import field_key, similar_key, without_unit
+    from tvclin.cli.settings import field_key, option_of_key, similar_key, without_unit
 
     if context is None:
         return None
@@ -312,6 +317,8 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
     settable = "--set" in flags
     refused = refusal(command, option, field_key(option) if settable else None)
     key = similar_key(option) if settable else None
+    if not refused and key and (flag := option_of_key(key, flags)):
+        return f"{path} takes no {option}: did you mean {flag}?"
     return refused or (key and f"{path} takes no {option}: --set {key} VALUE gives it")
 
 

@@ -287,6 +287,17 @@ def field_key(option: str) -> str | None:
     return next((k.name for k in all_keys() if quantity_name(k.name) == own_key), None)
 
 
+def option_of_key(key: str, flags: Iterable[str]) -> str | None:
+    """Return the first of options that gives the same as a `key`; None without one.
+
+    `flags`: options of a command, such as "--at", which gives ``study.time_s``.
+    """
+    from tvclin.studyfile.settings import quantity_name
+
+    name, keys = quantity_name(key), _WIND_KEYS | _OTHER_KEYS | _field_keys()
+    return next((flag for flag in flags if name in keys.get(flag, ())[:1]), None)
+
+
 def _field_keys() -> dict[str, tuple[str, ...]]:
     """Return the keys that each option of a declared field excludes, without units, by option.
 
