@@ -362,7 +362,7 @@ def pulse_of(case: Case) -> ShapedWind:
     if not isinstance(case.wind, ShapedWind):
         raise InputError(
             "a study needs a wind of one shape, a [wind] with a peak and no sounding or file;"
-            " tvclin ascent or tvclin fly answers for a sounding"
+            " tvclin fly or tvclin boundary answers for a sounding, tvclin ascent over a flight"
         )
     return case.wind
 

@@ -147,7 +147,8 @@ def load_sizing(
         sizing = plan.sizing
         if sizing is None:
             raise InputError(
-                f"{called(source)} has no flight; add [schedule], see tvclin init --study"
+                f"{called(source)} has no flight; add [schedule], see tvclin init --study; at one"
+                " time tvclin study answers for a pulse, tvclin fly for a sounding"
             )
         winds = {**sizing.soundings, **winds}
         return replace(plan, sizing=replace(sizing, soundings=winds))
