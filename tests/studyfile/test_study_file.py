@@ -332,7 +332,7 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"wind": [WIND, 3]}, r"wind must be a table \[wind\], or \[\[wind\]\]"),
         (
             {"wind": [SOUNDING], "schedule": {}},
-            "a study needs a wind of one shape.*; tvclin ascent",
+            "a study needs a wind of one shape.*; tvclin fly or tvclin boundary",
         ),
         ({"wind": [WIND, SOUNDING]}, r"a sounding needs a flight: add \[schedule\]"),
         ({"wind": [WIND, {"soundng": "a"}]}, "'soundng'; did you mean sounding"),
