@@ -79,7 +79,7 @@ class _AfterTrim:
         which trim has the size K L; the vehicle diverges where m(L) > L.
 
         `cases`: n indices of cases. `limits`: their L. `sufficient`: deflections returned in place
-        of m(L) where they are proved to be no less. All are normalised by static trim.
+        of m(L) where they are proved to be no less. All are over static trim, of a fixed path.
         """
         poles = self.modes[cases]
         # z: constant deflection that each mode requires by itself after trim up to K L; z over the

@@ -168,7 +168,7 @@ def gain_trade_off(
         designs.append(design)
         start = problem.point(design.autopilot)
     designs += [None] * (margins.size - len(designs))
-    trim = problem.trims.max()  # largest static trim [rad] of the winds
+    trim = problem.trims.max()  # largest trim [rad] of the winds, without drift
     relative = [np.inf if design is None else design.deflection / trim for design in designs]
     return GainTradeOff(margins, np.array(relative), tuple(designs), _limits(gains))
 

@@ -445,7 +445,7 @@ def _notes(
     with many sudden ends, or None.
     """
     notes = []
-    trim = problem.trims.max()  # largest static trim [rad] of the winds
+    trim = problem.trims.max()  # largest trim [rad] of the winds, without drift
     if problem.has_alpha:
         a0, b0 = float(autopilot.attitude_gain), float(autopilot.alpha_gain)
         # alpha/alpha_w in a steady wind before the path has changed; B alpha is the trim deflection

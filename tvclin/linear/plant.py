@@ -551,7 +551,8 @@ class Plant(WithCoefficients):
         """Return the numerator from `input` to the flight path angle, highest power of s first.
 
         gamma' + h gamma = a theta + d delta - w alpha_w, with the model's coefficients a, h, d and
-        w [1/s], is put into the moment equation (mu_alpha, mu_delta, damping) and solved for gamma.
+        w [1/s], is put into theta'' = mu_alpha alpha - mu_delta delta - damping theta', the moment
+        equation, with alpha = theta - gamma - alpha_w, and solved for gamma.
         """
         c, path = self.coefficients, self._path
         a, d, w = path.attitude, path.deflection, path.wind

@@ -112,7 +112,7 @@ class Rational:
         )
 
     def log_slope(self, omega: FloatArray) -> AnyArray:
-        """Return d ln G/d omega = j (N'/N - D'/D) of G = N/D, L without delay, at j omega.
+        """Return d ln G/d omega = j (N'/N - D'/D) of G = N/D, the loop without delay, at j omega.
 
         `omega`: frequencies [rad/s], ``(..., k)``.
         """

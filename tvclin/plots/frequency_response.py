@@ -490,7 +490,7 @@ def _frame_critical_point(axes: Axes, samples: LoopSamples, marks: list[Mark]) -
 
 
 def _nyquist_curves(response: Any, samples: LoopSamples) -> Curves:
-    """Return the curves of real and imaginary part of L over the frequency.
+    """Return the curves of real and imaginary part of the open loop over the frequency.
 
     `response`: python-control's Nyquist response. `samples`: the loop with its description.
     """

@@ -574,7 +574,8 @@ class FlightsOfLoop:
     def fraction(self) -> Success | None:
         """Fraction of the winds that are survived, with its interval; None for one wind.
 
-        A pulse is survived if it is at every flight time; what is not known counts as not survived.
+        A wind of one shape must be survived at every flight time. What is not known counts as not
+        survived.
         """
         diverged = {outcome.wind for outcome in self.outcomes if not outcome.survived}
         if self.wind_count < _MIN_WINDS:

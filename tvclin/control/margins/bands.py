@@ -191,8 +191,8 @@ def closed_mode_poles(terms: Terms) -> AnyArray:
     """Return the closed-loop poles of n modes of k loops [1/s], ``(k, n)``: s, or w if sampled.
 
     `terms`: their partial fractions. A mode's pole p is continued as the gain g rises from zero to
-    one, by Newton's iteration on (s - p)(1 + g L) = 0, which has no pole at p; it starts just
-    beside p, where L is defined. A mode without a residue stays at p.
+    one, by Newton's iteration on (s - p)(1 + g L) = 0, L being the open loop: this has no pole at
+    p. It starts just beside p, where L is defined. A mode without a residue stays at p.
     """
     p = terms.poles
     s = p * (1.0 - _START_OFFSET)

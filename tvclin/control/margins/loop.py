@@ -210,7 +210,7 @@ class Loop:
         return poles[np.argsort(-poles.real, kind="stable")]
 
     def response(self, omega: ArrayLike) -> ComplexArray:
-        """Return L(j omega), shape ``batch + omega.shape``; infinite at a pole.
+        """Return the open loop L(j omega), shape ``batch + omega.shape``; infinite at a pole.
 
         `omega`: frequencies [rad/s], of any shape. `InputError` for frequencies that are not
         finite, or beyond 1e15 rad/s.
@@ -343,7 +343,7 @@ class SampledLoop(Loop):
     delayed_closed_poles: Callable[[FloatArray, IndexArray], AnyArray] | None = None
 
     def response(self, omega: ArrayLike) -> AnyArray:
-        """Return L(e^(j omega h)), shape ``batch + omega.shape``; infinite at a pole.
+        """Return the open loop L(e^(j omega h)), shape ``batch + omega.shape``; infinite at a pole.
 
         `omega`: frequencies [rad/s] up to half the sample rate; `InputError` for higher ones.
         """
