@@ -276,7 +276,8 @@ def forecast_free_limit(
         )
     winds, which = kernel_arrays((wind * (1.0 / peak)).pieces, shape)
     results = np.empty((which.size, 3))
-    terms = which.size * winds[0].shape[-1] * winds[2].shape[-1]
+    knots, _, rates = winds
+    terms = which.size * knots.shape[-1] * rates.shape[-1]
     work = (winds, which, pole.flatten(), results)
     # estimated run time, which decides between compiled and plain code
     run(largest_remaining_integrals, work, which.size, PLAIN * terms, COMPILED * terms)

@@ -504,14 +504,15 @@ def _case_limit(pair: PlanePair, limit_shape: LimitShape, K: float, switch: str)
     ratio where it is exact. A plane without wind has an infinite `onset`.
     """
     literal = switch == "literal" or pair.plants[0].model == "fixed-path"
-    requirement = two_plane_requirement(pair, limit_shape, (K,), literal)[0]
+    (requirement,) = two_plane_requirement(pair, limit_shape, (K,), literal)
     pitch_only = requirement.limit  # of the wind's pitch component alone
     if np.isfinite(pair.wind.yaw.onset):
         pitch_only = 0.0
         if np.isfinite(pair.wind.pitch.onset):
             pitch_wind = PlaneWind(pitch=pair.wind.pitch, yaw=0.0 * pair.wind.pitch)
             flat = PlanePair(pair.plants, pitch_wind)
-            pitch_only = two_plane_requirement(flat, limit_shape, (K,), literal)[0].limit
+            (in_pitch,) = two_plane_requirement(flat, limit_shape, (K,), literal)
+            pitch_only = in_pitch.limit
     # B alpha_w,max [rad], the trim of the largest wind in pitch
     scale = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     return PlaneLimit(

@@ -70,8 +70,8 @@ def planar_verdict(
     def late_rate(limit: float) -> float:
         """Return the attitude rate [rad/s] at the end of the `span`, or of a shorter flight."""
         flight = case.flown(command, limit)
-        late = flight.rows(np.array([min(flight.end, span[1])]))[:, 0]
-        return float(late[1])  # after the attitude
+        _attitude, rate, *_ = flight.rows(np.array([min(flight.end, span[1])]))  # at that time
+        return float(rate[0])
 
     return verdict_of(late_rate, command.control, wind, pole)
 

@@ -414,7 +414,7 @@ def _nyquist(samples: LoopSamples) -> control.NyquistResponseData:
     """
     import control
 
-    loop = samples.loop
+    loop = samples.loop  # one loop: the only row of the arrays
     axis = np.imag(loop.s_to_w(1j * samples.omega[np.newaxis]))[0]
     poles = loop.form.open_poles()[0].astype(complex)
     rounding = ON_AXIS * np.abs(poles).max()  # a smaller real part counts as none

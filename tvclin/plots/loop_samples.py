@@ -277,8 +277,8 @@ def corner_frequencies(loop: Loop) -> FloatArray:
 
 
 def unstable_poles(loop: Loop) -> int:
-    """Return the number of poles of the loop in the open right half plane."""
-    poles = loop.form.open_poles()[0]
+    """Return the number of poles of one loop in the open right half plane."""
+    (poles,) = loop.form.open_poles()
     return int(np.sum(np.real(poles) > ON_AXIS * np.abs(poles).max()))
 
 
@@ -290,7 +290,7 @@ def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> F
     of a sampled loop up to half its rate. Its form has roots in the w plane, bilinear image of z.
     """
     highest = loop.max_frequency()[0, 0]  # half the rate of a sampled loop, else infinite
-    omega = grid_frequencies(loop.form, stability(loop.form))[0]
+    (omega,) = grid_frequencies(loop.form, stability(loop.form))  # of one loop
     omega = np.concatenate([omega, _around_light_roots(loop)])
     omega = np.imag(loop.w_to_s(1j * omega[np.newaxis]))[0]
     omega = np.sort(omega[np.isfinite(omega) & (omega > 0.0) & (omega < highest)])

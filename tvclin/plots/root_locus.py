@@ -383,7 +383,7 @@ def root_locus_chart(
 
     samples = sampled("root_locus_chart", autopilot, plant)
     locus = LocusPoles.of(samples.loop, samples.pade_order)
-    poles = locus.closed(np.ones(1))[0]
+    (poles,) = locus.closed(np.ones(1))  # of the loop itself, at the factor one
     radii = _radii(samples, poles)
     factors = _default_factors(locus, samples, radii) if gains is None else _checked_factors(gains)
     branches = locus.branches(factors)
@@ -441,7 +441,8 @@ def _within(branches: AnyArray, loop: Loop) -> AnyArray:
     if not isinstance(loop, SampledLoop):
         return branches
     steps = np.abs(np.diff(branches.imag, axis=0, prepend=branches.imag[:1]))
-    return np.where(steps > float(loop.max_frequency()[0, 0]), np.nan, branches)
+    half_rate = float(loop.max_frequency()[0, 0])  # [rad/s], of one loop
+    return np.where(steps > half_rate, np.nan, branches)
 
 
 def _checked_factors(gains: ArrayLike) -> FloatArray:
@@ -485,7 +486,8 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     order = samples.loop.form.open_poles().shape[-1]  # number of poles without the delay
     sizes = np.sort(np.abs(poles))[:order]  # the poles of the delay are the largest
     if isinstance(samples.loop, SampledLoop):  # faster poles decay within a few samples
-        sizes = sizes[sizes <= _MAX_OVER_NYQUIST * float(samples.loop.max_frequency()[0, 0])]
+        half_rate = float(samples.loop.max_frequency()[0, 0])  # [rad/s], of one loop
+        sizes = sizes[sizes <= _MAX_OVER_NYQUIST * half_rate]
     highest = np.array([samples.margins.gain_increase_frequency])  # NaN without this margin
     corners = [*corner_frequencies(samples.loop), *sizes]
     outer = 1.2 * float(np.nanmax([*corners, *highest]))

@@ -118,7 +118,8 @@ def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any])
     plane = subject.get("plane", "pitch")
     if is_wind_measured(document):
         reading = SoundingReading.of(document, folder)
-        name, sounding = _sounding(wind_tables(document)[0], folder, reading)
+        first_wind, *_ = wind_tables(document)
+        name, sounding = _sounding(first_wind, folder, reading)
         return SoundingWind(
             name=name,
             **vars(sounding),
@@ -126,7 +127,7 @@ def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any])
             window=reading.window or WINDOW_S,
             gust=_gust(document, plane),
         )
-    wind = winds_of(document, folder)[0]
+    wind, *_ = winds_of(document, folder)  # the wind of the case
     return wind_for_vehicle(document, wind, subject["vehicle"], plane)
 
 

@@ -638,7 +638,7 @@ class SteppedWinds:
         fine, coarse = np.ceil(fine_span / FINE), np.ceil(coarse_span / STRIDE)
         # rounded up to a multiple, so that many cases have the same number and fly together
         counts = _LIMITS_MULTIPLE * np.ceil((fine + coarse)[:, 0] / _LIMITS_MULTIPLE).astype(int)
-        survives = ~self.diverge(low[:, np.newaxis])[:, 0]
+        survives = ~self.diverge(low[:, np.newaxis])[:, 0]  # one limit in each wind
         for count in np.unique(counts[survives & (counts > 0)]).tolist():
             cases = np.flatnonzero(survives & (counts == count))
             k, n = np.arange(1, count + 1), fine[cases]

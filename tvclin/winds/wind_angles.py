@@ -385,7 +385,7 @@ class EncounteredWind:
             time, paths, speed_ratio = self.flight
             path = np.interp(times, time, paths)
             speed = speed / np.interp(times, time, speed_ratio)
-        along, across = self.of_speed[0] * speed, self.of_speed[1] * speed
+        along, across = (fraction * speed for fraction in self.of_speed)
         if self.angle is not None and np.any(in_pitch):
             along = along + along_from_angle(path, in_pitch * angle)
         if self.angle is not None and np.any(in_yaw):

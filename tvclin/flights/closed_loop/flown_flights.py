@@ -123,7 +123,7 @@ class FlownFlight:
         last, _ = self.loops(np.array([self.flight.span[1]]))  # plants at the schedule's end
         latest = self.stop + _MAX_FURTHER_SAMPLES / float(np.asarray(self.law.sample_rate))
         stop = min(end + _SETTLINGS * float(outcome_criteria(last).settling[0]), latest)
-        settles = decidable(last)[0] and stop > self.stop
+        settles = decidable(last)[0] and stop > self.stop  # `last` is a batch of one
         return replace(self, stop=stop, goes_on=False) if settles else None
 
 
@@ -229,7 +229,8 @@ def sampled_stages(
     actuator = autopilot_along(first.autopilot, first.gain_flight, np.array([first.start])).actuator
     rate = float(np.asarray(law.sample_rate))
     check_sample_rates(rate, actuator)
-    check_delays(np.unique(law.delay)[0], np.array(1.0 / rate))
+    delay = np.unique(law.delay)[0]  # [s], the same at all times
+    check_delays(delay, np.array(1.0 / rate))
     starts, stops = np.array([(flight.start, flight.stop) for flight in flights]).T
     for span in stops - starts:
         check_samples(float(span), 1.0 / rate)

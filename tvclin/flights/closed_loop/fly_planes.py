@@ -173,7 +173,8 @@ def _decide(
     lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
     survived = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
     if np.any(survived):
-        # fast unstable coordinate of each plane [rad], over its reach per deflection limit
+        # fast unstable coordinate of each plane [rad], the first row of `judges` of the one
+        # vehicle, over its reach: the largest recoverable one per deflection limit
         z = [f.now.y @ f.vehicles.judges[0, 0] / f.vehicles.reach[0] for f in pair]
         with np.errstate(all="ignore"):
             ratio = limit_shape.gauge(np.where(survived, z[0] + 1j * z[1], 0.0))

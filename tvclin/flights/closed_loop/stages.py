@@ -143,7 +143,8 @@ class Stages:
     @cached_property
     def hardware(self) -> Hardware:
         """Sample period, delay, and the actuator of the laws."""
-        return Hardware(self.period, float(np.unique(self.laws.delay)[0]), self.laws.actuator)
+        delay = np.unique(self.laws.delay)[0]  # [s], the same at all samples
+        return Hardware(self.period, float(delay), self.laws.actuator)
 
     @property
     def sensors(self) -> LateralSensors:
@@ -535,7 +536,8 @@ class Stages:
         """
         h, flight = self.period, self.flight_of_wind
         # last samples of flights, and of their winds, from the start of the flight
-        samples, ends = self.samples[flight], self._ends[0] - self.first_sample[flight]
+        of_winds, _ = self._ends
+        samples, ends = self.samples[flight], of_winds - self.first_sample[flight]
         # of `plants` those at the ends of winds and of flights follow those at the breakpoints
         criteria, begin = outcome_criteria(self.plants), sum(map(np.size, self.vehicle_breaks))
         # reach is NaN without one or two real unstable poles; such flights have no outcome

@@ -586,7 +586,7 @@ def with_directions(
         except InputError as error:  # no such wind on this path, or too long: nominal value stays
             unknown[i, j], why = True, why or f"{sizing.times[i]:g} s: {error}"
     if along and mode is not None:
-        required = requirements_along(mode, [wind for *_, wind in along], K)[:, 0]
+        required = requirements_along(mode, [wind for *_, wind in along], K)[:, 0]  # K: one alone
         for (column, i, j, _), value in zip(along, required.tolist(), strict=True):
             column[i, j] = value
     arises = dict(sizing.arises)  # times of flight at which each requirement arises
