@@ -85,6 +85,7 @@ def test_a_short_gust_in_a_long_wind_is_placed_at_the_pressure_encountered_too()
     assert required >= other
 
 
+@pytest.mark.thorough
 def test_a_wind_by_speed_with_a_gust_by_angle_is_placed_where_it_requires_most() -> None:
     """The part without the gust is one wind for all of its times, whose steps differ."""
     vehicle = tv.load_vehicle("configuration-i").replace(attitude=0.5)

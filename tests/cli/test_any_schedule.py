@@ -57,7 +57,7 @@ limit_deg = 3.0
 source = "{schedule}"
 [size]
 every_s = 30.0
-[availability]
+{until}[availability]
 archive = "{folder}"
 azimuth_deg = 90
 least_part = 0.9
@@ -143,12 +143,20 @@ def test_each_sounding_is_judged_or_said_to_be_unknown(
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("schedule", SCHEDULES[2:])
+@pytest.mark.parametrize(
+    ("schedule", "until"),
+    [
+        ("from the pad", "to_s = 40\n"),
+        ("openrocket", ""),
+        ("stable at first", "to_s = 40\n"),  # unstable from 27 s on
+        ("with complex pairs", "to_s = 75\n"),  # from 50 to 60 s
+    ],
+)
 def test_the_page_of_a_flight_is_written(
-    sources: dict[str, str], schedule: str, tmp_path: Path
+    sources: dict[str, str], schedule: str, until: str, tmp_path: Path
 ) -> None:
     study = tmp_path / "study.toml"
-    study.write_text(PAGE.format(folder=sources["folder"], schedule=sources[schedule]))
+    study.write_text(PAGE.format(folder=sources["folder"], schedule=sources[schedule], until=until))
     page = tmp_path / "page.html"
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(page)])
     assert result.exit_code in (0, 1), result.output
@@ -180,6 +188,7 @@ def test_a_pulse_by_its_speed_is_known_up_to_thirty_degrees() -> None:
     assert "meets the flight at 30.03 deg, and above 30 deg" in beyond["notes"][0]
 
 
+@pytest.mark.thorough
 def test_a_gust_by_its_speed_counts_on_top_of_a_sounding_up_to_thirty_degrees(
     sources: dict[str, str],
 ) -> None:

@@ -82,6 +82,7 @@ def test_a_letter_that_the_locale_lacks_is_a_question_mark(tmp_path: Path) -> No
     assert b"?" in done.stdout
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(os.name != "posix", reason="names that only POSIX allows")
 @pytest.mark.parametrize("letter", usual(["\x1b[31m", "\udcff", "\u202e"], 0))
 def test_no_escape_sequence_of_a_file_reaches_terminal_csv_or_figure(

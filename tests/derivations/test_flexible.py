@@ -271,6 +271,7 @@ def test_what_is_left_out_is_a_percent_or_two_of_the_square_of_a_frequency():
     assert follows / stiffness == pytest.approx(0.0113, abs=0.0005)
 
 
+@pytest.mark.thorough
 def test_all_parts_are_in_the_equations():
     """Of the energies: a coefficient that no part moves would judge nothing."""
     _, mass, stiff, forces = lagrange(0)

@@ -71,6 +71,7 @@ def test_a_change_that_is_lost_is_where_the_flights_are_lost(plant_and_margins):
     assert many.status.tolist() == ["survived", "lost"]
 
 
+@pytest.mark.thorough
 def test_less_effect_of_the_nozzle_is_less_thrust_vector_of_the_vehicle(plant_and_margins):
     """The engine's inertia stays: a vehicle with another control force is flown as it is."""
     plant, m = plant_and_margins

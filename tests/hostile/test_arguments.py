@@ -161,13 +161,13 @@ def test_every_door_opens_to_its_good_call(every: dict[str, Door]) -> None:
 def test_a_hostile_value_is_answered_or_refused_in_one_sentence(
     every: dict[str, Door], what: str, by_turns: bool
 ) -> None:
-    """Of all pairs of a value and an argument one in 72, and the rest, with values by default."""
+    """Of all pairs of a value and an argument one in 144, and the rest, with values by default."""
     value = hostile()[what]
 
     def in_turn(name: str, door: Door, argument: str) -> bool:
         request = inspect.signature(door.call).parameters.get(argument)
         usual = request is not None and request.default is value
-        return not usual and crc32(f"{name} {argument} {what}".encode()) % 72 == 0
+        return not usual and crc32(f"{name} {argument} {what}".encode()) % 144 == 0
 
     pairs = [
         (name, argument)

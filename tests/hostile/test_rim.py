@@ -64,6 +64,7 @@ def test_a_command_that_is_told_to_end_leaves_nothing_half_written(tmp_path) -> 
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", usual(["png", "pdf", "svg"], 0))
 def test_a_figure_on_a_full_disk_is_one_sentence(tmp_path, kind, monkeypatch) -> None:
     resource = pytest.importorskip("resource")

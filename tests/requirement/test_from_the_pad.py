@@ -57,6 +57,7 @@ def test_costate_and_reach_are_those_of_the_adjoint_equation(flight, model) -> N
         assert reach == pytest.approx(exact[-1], rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_the_march_along_a_flight_is_of_fourth_order(flight, monkeypatch) -> None:
     """Half the step, a sixteenth of the error, within the third that the next order adds."""
     part = tv.FlightSchedule(flight.at([20.0, 40.0]))

@@ -67,6 +67,7 @@ def request(**changes: object) -> tv.requirement.SizingRequest:
     return tv.requirement.SizingRequest(**(given | changes))
 
 
+@pytest.mark.thorough
 def test_a_limit_that_is_sufficient_at_listed_times_alone_is_not_sufficient() -> None:
     schedule = tv.load_schedule("configuration-ii")
     case = tv.Case(

@@ -295,6 +295,7 @@ def test_a_requirement_that_a_wind_before_the_gust_sets_is_noted(flight) -> None
     assert not any("is the same from" in note for note in changing.notes)
 
 
+@pytest.mark.thorough
 def test_a_sounding_that_ends_is_noted_up_to_its_end_and_a_pulse_never(flight) -> None:
     height = np.arange(0.0, 18.1e3, 1e3)
     jet = tv.WindProfile(

@@ -106,6 +106,7 @@ def test_a_batch_and_an_unknown_requirement_are_refused(configuration_i) -> None
         Line("a", 0.1, "sometimes")
 
 
+@pytest.mark.thorough
 def test_a_rate_limit_adds_what_a_ramp_needs_more():
     """With K = 0, which needs the minimum, that is the linear program with a rate limit."""
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)

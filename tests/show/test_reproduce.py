@@ -62,6 +62,7 @@ def test_no_temporary_file_is_left_and_none_is_empty(everything):
         assert path.stat().st_size > 1000
 
 
+@pytest.mark.thorough
 def test_each_csv_names_its_figure_and_its_parameters(names, everything):
     output, _ = everything
 

@@ -122,6 +122,7 @@ def test_a_shift_multiplies_the_transform_by_an_exponential(f, dt, s):
     assert abs(moved.laplace(s) - expected) <= rounding
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(histories(), dyadic, variable)
 def test_the_cut_and_the_rest_make_the_whole(f, time, s):

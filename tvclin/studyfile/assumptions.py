@@ -202,6 +202,8 @@ def _frozen(findings: Findings) -> Iterator[Assumption]:
     requirement = Requirement(dead_band=s.dead_bands[0])  # with frozen parameters
     counted = requirement in s.freezing_error  # whether it is computed with varying ones too
     deflections = s.required[replace(requirement, varying=counted)][i]
+    if np.all(np.isnan(deflections)):
+        return
     j = int(np.nanargmax(deflections))  # index of the wind
     changes = float(s.change[i, j])
     percent = number("assumptions.change_percent", 100.0 * changes, 1, "%")
