@@ -336,7 +336,11 @@ def test_a_law_that_lets_a_mode_creep_away_is_marked():
         (["margins", "--design", "guess"], "--design must be one of canonical, poles"),
         (["margins", "--design", "poles"], "design poles needs --natural-frequency, in rad/s"),
         (["margins", "--rate-gain", "1"], "need --attitude-gain and --rate-gain, both"),
-        (["margins", "--attitude-gain", "1", "--design", "lqr"], "not both"),
+        (["margins", "--attitude-gain", "1", "--design", "lqr"], "not both; got --attitude-gain,"),
+        (
+            ["study", "--attitude-gain", "1", "--rate-gain", "1", "--damping", "0.5"],
+            "not both; got --attitude-gain, --rate-gain, damping",
+        ),
         (["study", "--attitude-gain", "1"], "need --attitude-gain and --rate-gain, both"),
         (
             ["study", "--attitude-gain", "1", "--rate-gain", "1", "--natural-frequency", "1"],

@@ -129,7 +129,8 @@ def test_a_file_gives_the_direction_in_its_wind() -> None:
 
 def test_what_has_no_direction_is_told_so(booster) -> None:
     said = {
-        ("--limit-shape", "round"): "a limit of both planes needs a wind with a direction",
+        ("--limit-shape", "round"): "a limit of both planes needs a wind with a direction: give"
+        " where it blows from, direction_deg in [wind], and",
         ("--azimuth-deg", "9"): "tvclin ascent and tvclin fly also take a sounding, --winds FILE",
         ("--set", "wind.direction_deg=0", "--azimuth-deg", "90"): "has no part in pitch",
         (*JET, "--limit-shape", "oval"): "--limit-shape must be one of round",

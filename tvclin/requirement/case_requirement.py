@@ -315,7 +315,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     elif limit_shape is not None:
         raise InputError(
             "a limit of both planes needs a wind with a direction: give where it blows from,"
-            " and the azimuth of the flight"
+            " direction_deg in [wind], and the direction of flight, azimuth_deg"
         )
     plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), in_plane.history({})
     required = required_deflection(plant, history, K)

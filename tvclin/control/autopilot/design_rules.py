@@ -247,10 +247,13 @@ class AutopilotDesign:
         if all(getattr(self, name) is None for name in GIVEN_GAINS):
             _rule_numbers(self)
             return
-        if any(getattr(self, name) is not None for name in RULE_PARAMETERS):
-            raise errors.InputError(
-                "give gains or a rule for them (design, natural_frequency), not both"
-            )
+        gains, rule = (
+            [name for name in names if getattr(self, name) is not None]
+            for names in (GIVEN_GAINS, RULE_PARAMETERS)
+        )
+        if rule:
+            given = ", ".join((*gains, *rule))
+            raise errors.InputError(f"give gains or a rule for them, not both; got {given}")
         if self.attitude_gain is None or self.rate_gain is None:
             raise errors.InputError("gains of your own need attitude_gain and rate_gain, both")
 

@@ -328,7 +328,7 @@ class Campaign(Case):
         if self.heading is None:
             raise errors.InputError(
                 "a limit of both planes needs a wind with a direction: give where it blows from,"
-                " and the azimuth of the flight"
+                " direction_deg in [wind], and the direction of flight, azimuth_deg"
             )
         errors.one_of("limit_shape of a campaign", self.nozzle.limit_shape, LIMIT_SHAPES)
         self.directions()
