@@ -538,10 +538,10 @@ class Cluster(LimitShape):
     def _stuck(self) -> tuple[complex, float]:
         """Mean deflection of the engines that are stuck, over the limit, and their roll moment.
 
+        The deflection is pitch + j yaw, weighted with each engine's share of the thrust.
         The moment is normalised by the total thrust and the largest distance from the axis; zero
         where the moving engines need not balance it (`hold_roll`).
         """
-        # `share`: fraction of the thrust
         stuck = [(engine, share) for engine, share in self._shares if engine.state == "stuck"]
         bias = sum((engine.deflection * share for engine, share in stuck), 0j)
         roll = sum(

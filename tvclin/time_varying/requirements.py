@@ -564,7 +564,7 @@ class SteppedWinds:
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))
             end_of_cases = costates_and_reaches[cases]
             # a single mode is here because the effect p.b of a deflection on it changes its sign:
-            # the largest control reach is of a deflection with the sign of p.b, in place of R
+            # the control reach is then of a deflection with the sign of p.b, the largest one
             if modes.poles.shape[1] == 1:
                 reach = np.broadcast_to(self.equations.absolute_reach, len(path))[cases]
                 end_of_cases = np.append(end_of_cases[:, :-1], reach[:, np.newaxis], axis=-1)

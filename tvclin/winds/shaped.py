@@ -249,9 +249,9 @@ class ShapedWind:
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
     """Return the wind angle [rad] in one plane, of a wind with a heading, with its gust there.
 
-    `peaks`: peak angles [rad] of the wind by plane, components of the vector whose size, with the
-    sign of the wind's peak, is its peak. The gust has the same direction.
+    `peaks`: components [rad] of the wind's peak by plane. The gust has the same direction.
     """
+    # `size`: peak of the vector of both planes, with the sign of the wind
     peak, size = peaks[plane], math.copysign(math.hypot(*peaks.values()), wind.peak)
     # zero throughout, with the breakpoints of the wind in the other plane: its peak times zero
     if peak == 0.0:

@@ -490,7 +490,8 @@ def totals_over_flight(
             others=others,
             **offsets,  # type: ignore[arg-type]
         )
-        totals.append(_at_rate(total, need, _fastest(sizing, t), rate_limit))
+        # with the rate limit, a ramp that must go to a larger deflection
+        totals.append(_at_rate(total, need, _fastest_pole(sizing, t), rate_limit))
     return totals
 
 
@@ -549,7 +550,7 @@ def _at_rate(
     return replace(total, lines=lines, rate_limit=rate_limit, needed_rate=needed_rate)
 
 
-def _fastest(sizing: Sizing, time: float) -> float:
+def _fastest_pole(sizing: Sizing, time: float) -> float:
     """Return the size of a sizing's fastest unstable pole [1/s] at a flight time [s], or zero."""
     planes = PLANES if sizing.plane == BOTH else (sizing.plane,)
     plants = [sizing.schedule.plants(time, sizing.model, plane) for plane in planes]
