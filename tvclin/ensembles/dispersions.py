@@ -70,8 +70,8 @@ class Dispersion:
         if self.shape == "uniform":
             return np.asarray(2.0 * ndtr(normal) - 1.0)
         # truncated normal: probabilities between those of its two ends
-        ends = ndtr(np.array([-_MAX_NORMAL_DEVIATE, _MAX_NORMAL_DEVIATE]))
-        return np.asarray(ndtri(ends[0] + (ends[1] - ends[0]) * ndtr(normal)))
+        low, high = ndtr(np.array([-_MAX_NORMAL_DEVIATE, _MAX_NORMAL_DEVIATE]))
+        return np.asarray(ndtri(low + (high - low) * ndtr(normal)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -406,7 +406,7 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
         minimum, _ = row_minimum(np.where(phases > 0.0, phases, np.nan), analysis.gain_frequencies)
         return minimum
 
-    reduction, increase, (_, crossover), *_ = classical_margins(owned)  # with frequencies
+    reduction, increase, (_, crossover), *_ = classical_margins(owned)  # (value, frequency) each
     margins = {
         "lag_margin": smallest_positive(owned.phases),
         "lead_margin": smallest_positive(-owned.phases),

@@ -57,19 +57,19 @@ def nominal_trajectory(
     vehicle_time = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
     first, last = min(float(times[0]), vehicle_time), max(float(times[-1]), vehicle_time)
     nominal = nominal_flight(vehicle, condition, start=first, stop=last)
-    states = nominal.states(times)
+    speeds, paths, altitudes = states = nominal.states(times)
     _, path_rate, _ = nominal.rates(times, states)  # of speed, path angle and altitude
     zeros = np.zeros(times.size)
     start = float(times[0])
     departure = InitialState(
-        altitude=float(states[2, 0]),
+        altitude=float(altitudes[0]),
         path_rate=float(path_rate[0]),
         dynamic_pressure=float(nominal.dynamic_pressure(start)),
         mass_flow=float(nominal.mass(start) - nominal.mass(start + 1.0)),  # in 1 s
     )
     # `OUTPUTS`: attitude and its rate are the path's, without an angle of attack
-    rows = np.stack([states[1], path_rate, states[1], zeros, nominal.deflection(times)], axis=-1)
-    return NominalTrajectory(nominal.vehicle_at(start), departure, speeds=states[0], rows=rows)
+    rows = np.stack([paths, path_rate, paths, zeros, nominal.deflection(times)], axis=-1)
+    return NominalTrajectory(nominal.vehicle_at(start), departure, speeds=speeds, rows=rows)
 
 
 @dataclass(frozen=True)
