@@ -101,8 +101,9 @@ class FlightComparison:
     def _peak(self, rows: FloatArray, row: int, last_attitude: float | None) -> float:
         """Return the peak magnitude of an output during the wind [rad, rad/s].
 
-        `rows`: outputs of one flight, ``(5, n)``, the attitude first. `row`: index of the output.
-        `last_attitude`: attitude [rad] to which the last two samples are extrapolated, if any.
+        `rows`: five outputs of a flight at n times, ``(5, n)``, the attitude first. `row`: index of
+        the output. `last_attitude`: size of the attitude [rad] at which the flight ends after the
+        last sample, to which the output is extrapolated; None without such an end.
         `InputError` if no time lies in the wind.
         """
         samples = rows[:, self._during_wind & np.isfinite(rows[0])]

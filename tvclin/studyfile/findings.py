@@ -137,7 +137,7 @@ class Findings:
     def autopilot_requirement(self) -> AutopilotRequirement | None:
         """Minimum limits with which the autopilot survives the wind; None where it is not flown.
 
-        They are at nominal dynamic pressure, `stop`, and at the pressure at a head wind's peak.
+        `stop` is at nominal dynamic pressure, `head.stop` at the pressure at a head wind's peak.
         """
         from tvclin.requirement.autopilot_requirement import AutopilotRequirement, counts_head
 
