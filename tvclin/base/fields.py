@@ -487,10 +487,10 @@ def checked(record: Any, *names: str) -> None:
 def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any) -> FileTable:
     """Return the table of a file, under `heading`, for parameters of the dataclass `kind`.
 
-    Numbers become quantities with a unit in the key, others words or lists. Checks that hold in any
-    unit are made where the file is read, so that messages have its key. `names`: of the parameters;
-    by default all that have a key. `more`: further words, lists and quantities of the table, as in
-    `FileTable`.
+    Numbers become quantities with a unit in the key, others words or lists. Their `file_key` is the
+    key without unit, the name of the attribute unless it has a `key`. Checks that hold in any unit
+    are made where the file is read, so that messages have its key. `names`: of the parameters; by
+    default all that have a key. `more`: further words, lists and quantities, as in `FileTable`.
     """
     specified = [parameters(kind)[name] for name in names] or _keyed(kind)
     single = [item for item in specified if not item.many]

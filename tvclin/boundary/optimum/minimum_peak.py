@@ -157,7 +157,11 @@ def optimum_deflection(
 
 
 def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
-    """Return the deflection of minimum peak that satisfies `constraints`, from `start` [s] on."""
+    """Return the deflection of minimum peak that satisfies `constraints`, from `start` [s] on.
+
+    It has one size and changes its sign at the switch times. The multipliers of the poles'
+    exponentials, of which it has the sign of the sum, give a lower bound (`certify`).
+    """
     if not np.any(constraints.demands):
         zero, conditions = Piecewise(linear_pieces([start], [0.0], 0.0)), constraints.demands.size
         proof = Certificate(primal=0.0, dual=0.0, gap=0.0, residual=0.0, tail=0.0)
@@ -172,7 +176,7 @@ def optimum_under(constraints: Constraints, start: float = 0.0) -> Optimum:
         )
     window = Window(constraints)
     switches, multipliers = _solve(window)
-    switches, limit = _polished(window, switches)
+    switches, limit = _polished(window, switches)  # times [s] from the start, and deflection [rad]
     deflection: History = (
         BangBang(limit=limit, switch_times=switches + start, start=start)
         if switches.size
