@@ -101,7 +101,10 @@ def test_a_count_of_one_is_singular_and_zero_has_no_minus():
         ("study --verbose", "tvclin study: no option --verbose; see tvclin study --help"),
         ("study --jsn", "tvclin study takes no --jsn: did you mean --json or --sign?"),
         ("stdy", "no such command 'stdy'"),
-        ("fly --gust 1 2", "tvclin fly takes no --gust: --set gust.peak_deg VALUE gives it"),
+        (
+            "fly --gust 1 2",
+            "takes no --gust: --set gust.peak_deg VALUE --set gust.duration_s VALUE give it",
+        ),
         ("boundary --gust-duration 2", "takes no --gust-duration: --set gust.duration_s VALUE"),
         (
             "study --azimuth-deg 90",

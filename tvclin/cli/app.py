@@ -304,7 +304,13 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
     command with the program, as "tvclin study".
     """
     from tvclin.case.features import refusal
-    from tvclin.cli.settings import field_key, option_of_key, similar_key, without_unit
+    from tvclin.cli.settings import (
+        field_key,
+        option_of_key,
+        required_with,
+        similar_key,
+        without_unit,
+    )
 
     if context is None:
         return None
@@ -319,7 +325,11 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
     key = similar_key(option) if settable else None
     if not refused and key and (flag := option_of_key(key, flags)):
         return f"{path} takes no {option}: did you mean {flag}?"
-    return refused or (key and f"{path} takes no {option}: --set {key} VALUE gives it")
+    if refused or not key:
+        return refused
+    keys = required_with(key, option)
+    settings = " ".join(f"--set {name} VALUE" for name in keys)
+    return f"{path} takes no {option}: {settings} {'gives' if len(keys) == 1 else 'give'} it"
 
 
 def _say(words: str) -> None:

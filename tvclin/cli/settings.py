@@ -287,6 +287,22 @@ def field_key(option: str) -> str | None:
     return next((k.name for k in all_keys() if quantity_name(k.name) == own_key), None)
 
 
+def required_with(key: str, option: str) -> list[str]:
+    """Return a `key`, and for an `option` with the name of its table the keys that this requires.
+
+    Of --gust they are ``gust.peak_deg`` and ``gust.duration_s``.
+    """
+    from tvclin.studyfile.keys import all_keys
+    from tvclin.studyfile.settings import quantity_name, required_names
+
+    heading = key.partition(".")[0]
+    if option.strip("-") != heading:
+        return [key]
+    required = [f"{heading}.{name}" for name in required_names(heading)]
+    others = (k.name for k in all_keys() if quantity_name(k.name) in required)
+    return list(dict.fromkeys((key, *others)))
+
+
 def option_of_key(key: str, flags: Iterable[str]) -> str | None:
     """Return the first of options that gives the same as a `key`; None without one.
 

@@ -122,6 +122,11 @@ def with_settings(source: str, settings: Iterable[tuple[str, str]]) -> str:
     return EditedSource(source, _changed(document, of_study), shown_keys)
 
 
+def required_names(heading: str) -> tuple[str, ...]:
+    """Return the names that a table requires, without units; `heading`: its name, such as gust."""
+    return _ALL_TABLES[heading].required
+
+
 def quantity_name(key: str) -> str:
     """Return the name of a key with its table, without its row and its unit.
 
