@@ -366,6 +366,7 @@ def _put_key(table: FileTable, name: str, entry: dict[str, Any], key: str, value
     if key in table.keys and value is not None:
         number(key, value)
     quantity = _quantity(table, key)
+    # quantities of one of these tuples exclude those of the other
     excluded, (first, second) = {quantity}, _ALTERNATIVES.get(name, ((), ()))
     if value is not None and quantity in (*first, *second):
         excluded |= set(second if quantity in first else first)
