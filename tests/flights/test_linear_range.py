@@ -9,7 +9,7 @@ import tvclin as tv
 from tvclin.flights.closed_loop.batch import Batch, Hardware, flights, one_flight
 from tvclin.flights.closed_loop.fly_many import _continuation
 from tvclin.flights.closed_loop.law_batch import law_batch
-from tvclin.flights.closed_loop.linear_range import remain_linear
+from tvclin.flights.closed_loop.linear_range import _overshoots, remain_linear
 from tvclin.flights.closed_loop.sampled import finish
 from tvclin.flights.closed_loop.sampled_stability import linear_gain_margins
 
@@ -60,3 +60,21 @@ def test_a_flight_survives_up_to_the_stability_limit_that_it_approaches_in_its_l
     assert attitudes[1, 2] > attitudes[0, 2]
     limited = [late.saturated_time_fraction * (late.end_time - WIND.onset) for late in flown]
     np.testing.assert_allclose(limited[2][:2], limited[0][:2], rtol=1e-9)  # no further sample
+
+
+@pytest.mark.parametrize("damping", [None, 0.1, 0.7, 1.5])
+@pytest.mark.parametrize("length", [0.0025, 0.025, 0.25])
+def test_no_commands_turn_a_nozzle_faster_than_the_bound(damping, length):
+    """Commands that change by one in each sample, each towards the sign of the response then."""
+    actuator = tv.Actuator(natural_frequency=20.0, damping=damping)
+    one = one_flight(PLANT, LAW, WIND, TRIM, Hardware(length, 0.0, actuator))
+    times = np.arange(0.0, 40.0 / (20.0 * (damping or 1.0)) + 2.0 * length, length / 100.0)
+    roots, residues = np.roots(actuator.denominator), actuator.denominator[-1]
+    partial = [residues / np.prod(np.delete(z - roots, k)) for k, z in enumerate(roots)]
+    response = sum(c * np.exp(z * times) for c, z in zip(partial, roots, strict=True)).real
+    whole = np.abs(response[: times.size // 100 * 100]).reshape(-1, 100)
+    largest = length * whole.sum(axis=0).max()
+    (bound,) = _overshoots(one, flights(one))
+    assert 1.0 <= largest <= bound * (1.0 + 1e-9)
+    if damping is not None and length < 0.01:
+        assert bound < 1.2 * largest

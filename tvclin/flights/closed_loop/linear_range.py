@@ -127,9 +127,11 @@ def _overshoots(batch: Batch, f: Flights) -> FloatArray:
     """Return bounds of the largest nozzle rate over that of its commands, of m flights, ``(m,)``.
 
     Commands that change by less than d in each sample h move a nozzle with the impulse response g
-    by less than d times the largest sum of ``|g(t + k h)|`` over k, which is below (1 + 1/zeta)
-    (1 + omega h)/h; of first order below (1 + omega h)/h, and 1/h without an actuator. `batch`,
-    `f`: the flights, and their arrays.
+    by less than d times the largest sum of ``|g(t + k h)|`` over k, and that is below the integral
+    of ``|g|`` over h, plus the sum of its peaks. With the ratio r = exp(-pi zeta/sqrt(1 - zeta^2))
+    of a peak to the one before, the integral is (1 + r)/(1 - r), and the sum of the peaks below
+    omega/(1 - r). r is zero of first order and for zeta >= 1; without an actuator the bound is one.
+    `batch`, `f`: the flights, and their arrays.
     """
     actuator: Actuator | None = batch.hardware.actuator
     vehicle = f.cases.vehicle
@@ -137,7 +139,10 @@ def _overshoots(batch: Batch, f: Flights) -> FloatArray:
     if actuator is None or actuator.damping is None:
         return 1.0 + turn
     damping = spread_to(np.asarray(actuator.damping, float), batch.vehicles)[vehicle]
-    return (1.0 + 1.0 / damping) * (1.0 + turn)
+    with np.errstate(divide="ignore"):
+        exponent = np.pi * damping / np.sqrt(np.maximum(1.0 - damping**2, 0.0))
+    ratio = np.exp(-exponent)
+    return np.asarray((1.0 + ratio + turn) / (1.0 - ratio))
 
 
 def flown_by_modes(batch: Batch) -> Flights:
