@@ -94,10 +94,9 @@ def unstable_modes(plant: Plant) -> Modes:
     Notes
     -----
     At each of them the residue of the attitude must vanish, eq (4b), if the vehicle is to survive.
-    There is one for eqs (5) and (B8); two for the exact
-    third-order model of an unstable vehicle, three for the fourth-order model, two of them a
-    complex pair, and none for a stable vehicle on a fixed path. Poles on the imaginary axis do
-    not count.
+    An unstable vehicle has one in the models fixed-path and drift, eqs (5) and (B8), two in
+    drift-exact, three in drift-and-speed, of which two are a complex pair; a stable vehicle has
+    none on a fixed path. Poles on the imaginary axis do not count.
 
     Examples
     --------
@@ -336,7 +335,7 @@ def judge(plant: Plant, deflection: History, wind: History) -> Verdict:
 
 
 def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
-    """Return whether a deflection satisfies (4b) in a wind: `judge`'s `stable`, ``(...)``.
+    """Return whether the attitude has zero residues at all unstable poles, eq (4b), ``(...)``.
 
     Parameters
     ----------

@@ -395,7 +395,7 @@ def _check_gimbal(flight: Flight, gimbal: FloatArray, gravity: FloatArray) -> No
 
 
 def _check_slope(slope: FloatArray) -> None:
-    """Raise `InputError` for slopes [1/rad] larger than for slender bodies with fins."""
+    """Raise `InputError` for slopes [1/rad] too large, or all too small, for bodies with fins."""
     if slope.max() > MAX_SLOPE:
         raise errors.InputError(
             f"normal_force_coefficient_slope must be per radian, at most {MAX_SLOPE:g} with large"
