@@ -224,7 +224,7 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
             )
 
     def refused(case: np.intp, error: Exception) -> None:
-        """Write the status of the case with an index that cannot be computed: why, its `error`."""
+        """Write why a case cannot be computed, its `error`, as its status; `case`: its index."""
         status[case] = str(error) if isinstance(error, InputError) else f"failed: {error}"
 
     # all cases at once, halved by `divide` until each refused one is by itself; then, one by one,

@@ -614,10 +614,10 @@ class Stages:
 
     @cached_property
     def _next_to_knots(self) -> IntArray:
-        """Indices of samples with a knot of the wind, within which it changes, and neighbours.
+        """Indices of the samples in which a knot of the wind lies, and of the next on both sides.
 
-        Only in these the kernel needs x' = A x + gust w itself; none where `_arrays` has A and gust
-        of all samples.
+        Knots are times at which the wind changes its polynomial. Only in these samples the kernel
+        needs x' = A x + gust w itself; none where `_arrays` has A and gust of all samples.
         """
         if self._by_pressure:
             return np.zeros(0, np.int64)

@@ -401,7 +401,10 @@ def closed_loop_boundary(
         """Return the status of flights in all winds with each of `limits`, over trim, ``(n,)``."""
 
         def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
-            """Return the status in one wind of flights with the `chosen` limits over trim."""
+            """Return the status in one `wind` of flights with the chosen of `limits`.
+
+            `chosen`: whether a limit is chosen, ``(n,)``.
+            """
             limits_rad = limits[chosen] * scale  # `scale`: the largest trim [rad]
             status_of = flight(wind)  # function from limits [rad] to the status of flights in it
             return status_of(np.minimum(limits_rad, MAX_DEFLECTION_LIMIT))
