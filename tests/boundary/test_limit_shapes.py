@@ -69,6 +69,7 @@ MIDDLES = np.array([1.0, 1.0 + 1.0j, 1.0j, -1.0 + 1.0j, -1.0, -1.0 - 1.0j, -1.0j
 """A square with corners in the middle of its edges, where nothing turns."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "corners",
     [KITE.corners, *(np.roll(MIDDLES, k) * unit(20.0) for k in range(3)), CircularShape()],
@@ -126,6 +127,7 @@ def least_limit(places, wanted, stop_corners, dead=(), hold_roll=True):
 PLACES = (1.0 + 0.2j, -0.3 + 1.1j, -1.0 + 0.0j, 0.4 - 0.8j)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("dead", [(), (0,), (2, 3)])
 @pytest.mark.parametrize("hold_roll", usual([True, False], 1))
 def test_a_linear_program_finds_the_same_limit_with_square_stops(dead, hold_roll):
@@ -136,6 +138,7 @@ def test_a_linear_program_finds_the_same_limit_with_square_stops(dead, hold_roll
         assert result.gauge(v) == pytest.approx(expected, rel=1e-8)  # HiGHS: 1e-7 feasible, vertex
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("dead", [(0,), (1, 2)])
 def test_linear_programs_enclose_the_limit_with_round_stops(dead):
     sides = 64
@@ -173,6 +176,7 @@ def test_an_engine_hard_over_the_wrong_way_takes_two():
         assert not stuck.symmetric
 
 
+@pytest.mark.thorough
 def test_a_stuck_engine_s_own_roll_moment_is_balanced_too():
     """By one engine across the axis from the stuck one: roll and side force in closed form.
 
@@ -221,6 +225,7 @@ def test_what_is_no_stop_is_refused_in_one_sentence(call, message):
         call()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("apart", usual([1e-16, 1e-13, 1e-9], 1))
 def test_corners_that_nearly_coincide_or_lie_on_an_edge_hide_no_other(apart: float) -> None:
     rng, tried = np.random.default_rng(3), 0

@@ -29,6 +29,7 @@ def relative(plant, wind, loads, **options):
     return front.limits / unit, front.lower_bounds / unit
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("plant", "tau_beta", "loads", "expected"),
     usual(
@@ -134,6 +135,7 @@ def test_states_at_even_nodes_need_the_same(options, load, tolerance):
     )  # the gap that ends the search
 
 
+@pytest.mark.thorough
 def test_the_turning_floor_is_its_closed_form_where_nothing_else_binds():
     """A triangle of slope s = 2/tb: d = (a + s^2/a)/2, or (s sinh(tb/2) - a)/(cosh(tb/2) - 1)."""
     for tau_beta, load in ((2.0, 0.8), (4.0, 0.6), (8.0, 0.4), (8.0, 0.11)):
@@ -245,6 +247,7 @@ def test_loads_far_below_the_peak_have_a_limit_too(plant):
         assert front.verdict.startswith(verdict)
 
 
+@pytest.mark.thorough
 def test_without_a_forecast_half_of_the_peak_is_left():
     front = load_trade_off(FIXED, triangle(FIXED, 8.0), PEAK * np.array([0.4, 0.6]), limit=0.01)
     free = tv.forecast_free_limit(FIXED, triangle(FIXED, 8.0))

@@ -38,6 +38,7 @@ def demand():
     return B * 0.1 * float(TriangularWind(peak=1.0, duration=8.0).laplace(BETA))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("rate", usual([2e-3, 3e-3, 1e-2, 0.1, 1.0, 1e3], 0, 3, 5))
 def test_one_pole_is_a_ramp_and_a_hold(rate):
     """A ramp to P and a hold have the moment r (1 - e^(-beta P/r))/beta^2."""
@@ -180,6 +181,7 @@ def test_an_early_start_makes_up_for_a_slow_actuator():
     assert np.all(np.diff(peaks) < 0.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("horizon", usual([None, 30.0], 0))
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift-exact", "drift-and-speed"], 1))
 def test_a_rate_too_small_names_the_one_that_would_do(model, horizon):

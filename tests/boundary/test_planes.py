@@ -117,6 +117,7 @@ def test_a_west_jet_across_a_slanting_flight():
 # Winds that turn: the verdict, the closed form, another solver.
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", ["fixed-path", "drift", "drift-exact"])
 @pytest.mark.parametrize("switch", ["report", "literal"])
 @pytest.mark.parametrize("K", [0.0, 0.4, 1.0])
@@ -175,6 +176,7 @@ TABLE = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", usual([(case,) for case in TABLE], 0, 5))
 def test_the_table_of_veering_triangles(case):
     computed = limits(*case)
@@ -182,6 +184,7 @@ def test_the_table_of_veering_triangles(case):
     assert numbers == pytest.approx(TABLE[case], abs=5.1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("degrees", usual([90, 180, 360], 1))
 def test_a_wind_that_turns_needs_less_and_says_what_it_leaves_open(degrees):
     straight, turning = limits(4, 0), limits(4, degrees)
@@ -281,6 +284,7 @@ def test_the_minimum_of_a_cluster_in_a_measured_wind_is_proved(azimuth):
     assert not any("the minimum is not solved" in note for note in limit.notes)
 
 
+@pytest.mark.thorough
 def test_it_is_that_of_a_program_of_all_corners():
     plant, wind, cluster = measured(1.0)
     stop = cluster.inscribed(24)
@@ -302,6 +306,7 @@ def test_what_is_left_of_a_minimum_is_told(monkeypatch):
     assert any("the minimum is not solved" in note for note in limit.notes)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [1.0, 1e-3, 1e-6])
 def test_a_stop_may_be_thin(width):
     wind = veering(20, 120, beta=EXACT.coefficients.beta)
@@ -311,6 +316,7 @@ def test_a_stop_may_be_thin(width):
     assert best.certificate.residual < 1e-12
 
 
+@pytest.mark.thorough
 def test_a_batch_is_what_each_is_alone():
     gusts = tv.TriangularWind(peak=0.08, duration=[5.0, 9.0])
     winds = PlaneWind.veering(gusts, 0.3, [[0.0], [0.15]])
@@ -339,6 +345,7 @@ def from_ratio(ratio):
     return 1.0 / np.linalg.norm(means(mu))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("ratio", [1.1, 1.5, 3.0])
 def test_planes_that_differ_are_served_one_after_the_other(ratio):
     """A nozzle that turns from the faster plane to the slower; the vector held is safe."""
@@ -372,6 +379,7 @@ def test_two_modes_in_each_plane_with_proof(case):
     assert best.status == "ok"
 
 
+@pytest.mark.thorough
 def test_the_deflection_of_the_optimum_meets_the_condition_of_every_mode():
     wind = veering(20, 120, beta=EXACT.coefficients.beta)
     best = tv.boundary.plane_optimum(EXACT, wind, EllipticShape(1.0, 0.6))
@@ -448,6 +456,7 @@ def program(wind, turned=(), sides=32, steps=64):
     return linprog(cost, rows, right, bounds=bounds, method="highs-ipm").fun
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("tau_beta", [4, 8])
 @pytest.mark.parametrize("degrees", [0, 90, 180])
 def test_a_convex_program_meets_the_bound_without_a_forecast(tau_beta, degrees):
@@ -468,6 +477,7 @@ def test_the_bound_of_a_sudden_turn():
     assert limit.no_forecast_bound == pytest.approx(0.30677, abs=5.1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stop", [SquareShape(0.4), EllipticShape(1.0, 0.4), KITE])
 def test_the_bound_for_other_stops_among_all_pairs_of_times(stop):
     wind = veering(8, 150)
@@ -497,6 +507,7 @@ def test_a_wind_of_one_direction_has_the_scalar_bound_both_ways_of_computing():
 TURNS = [(8.0, 0.3, 60.0, 0.4145), (8.0, 0.3, 90.0, 0.4688), (8.0, 0.3, 120.0, 0.5240)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("tau_beta", "R", "degrees", "published"),
     usual(
@@ -522,6 +533,7 @@ def test_a_turn_instead_of_a_stop_against_a_convex_program(tau_beta, R, degrees,
     assert computed <= (sought + 0.5 * step**2) / np.cos(np.pi / 32)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(20))
 def test_the_least_circle_around_what_may_come(seed):
     """Of 0, sup W and R e^(+-j phi): on the line of the wind, by search."""
@@ -616,6 +628,7 @@ def test_the_optimum_is_of_one_wind():
         tv.boundary.plane_optimum(PLANT, PlaneWind.veering(triangle(4.0), [0.0, 1.0], 0.1))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("time", [66.0, 97.0, 112.0])
 def test_slow_poles_far_below_the_fast_ones_have_no_say_in_the_minimum(time) -> None:
     """Late in the flight the slow modes are served when the fast ones are long settled.

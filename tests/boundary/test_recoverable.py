@@ -119,6 +119,7 @@ def support(poles, direction):
     return abs(until(change)) + abs(whole - until(change))
 
 
+@pytest.mark.thorough
 @EACH_PAIR
 def test_the_support_function_above_is_an_integral(poles):
     rng = np.random.default_rng(2)
@@ -147,6 +148,7 @@ def excess(poles, points, reach):
     return np.max(directions @ points.T - allowed[:, np.newaxis], axis=0)
 
 
+@pytest.mark.thorough
 @EACH_PAIR
 def test_a_state_is_recoverable_when_no_direction_forbids_it(poles):
     rng, reach = np.random.default_rng(11), 0.4

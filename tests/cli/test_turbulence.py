@@ -224,6 +224,7 @@ def test_without_the_speed_of_the_vehicle_it_is_not_known(tmp_path: Path) -> Non
     assert "turbulence: turbulence needs the speed of the vehicle" in result.stdout
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("command", ["disperse", "respond", "poles"])
 def test_a_command_without_turbulence_says_so(tmp_path: Path, command: str) -> None:
     file = tmp_path / "study.toml"
@@ -316,6 +317,7 @@ def test_a_sounding_is_flown_along_the_flight() -> None:
         assert result.winds[0].deflection == pytest.approx(largest, rel=1e-3)  # of other times
 
 
+@pytest.mark.thorough
 def test_waves_that_a_sounding_holds_are_named_until_a_cutoff_omits_them() -> None:
     """2 km between its levels, over the sine of the flight path angle."""
     schedule = tv.load_schedule("configuration-i")
@@ -431,6 +433,7 @@ def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law
     assert lines["rate limit"] > before["rate limit"]
 
 
+@pytest.mark.thorough
 def test_a_data_sheet_of_a_law_that_switches_is_not_known_in_turbulence() -> None:
     assert sheet("--law", "dead-band")["verdict"]["satisfied"] is True
     data_sheet = sheet("--law", "dead-band", *RANDOM)

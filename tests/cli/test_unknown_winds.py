@@ -52,7 +52,7 @@ SURVIVED = {
 """Whether a flight is survived, or a limit is sufficient, in the answer of each command."""
 
 
-@pytest.mark.parametrize("command", usual(list(SURVIVED), 1, 4, 5))
+@pytest.mark.parametrize("command", usual(list(SURVIVED), 1, 4))
 @pytest.mark.parametrize("name", ["with gaps", "too short"])
 def test_a_limit_that_is_sufficient_in_a_known_wind_is_not_known_with_gaps(winds, command, name):
     """A sounding that ends within the time that counts is not known; a limit too small stays so."""

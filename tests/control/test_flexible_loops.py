@@ -71,6 +71,7 @@ def course(hertz, k=5e-4, filters=()):
     return autopilot.band_margins(plant)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("hertz", "k", "filters", "unstable", "peak", "at", "closed"),
     [
@@ -175,6 +176,7 @@ def test_the_bands_of_the_booster():
         result.mode("bending")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("plant", "margin", "number"),
     [
@@ -319,6 +321,7 @@ def test_filters_reach_the_answer_to_a_wind():
     np.testing.assert_allclose(computed, expected, atol=1e-7)
 
 
+@pytest.mark.thorough
 def test_criteria_know_bands():
     criteria = tv.control.Criteria.custom(
         aero_margin_dB=6.0, mode_gain_margin_dB=18.0, mode_phase_margin_deg=45.0
@@ -362,6 +365,7 @@ def test_a_mode_in_a_loop_that_is_large_is_not_held_by_gain():
     assert slosh.lag_margin == slosh.lead_margin == np.inf
 
 
+@pytest.mark.thorough
 def test_a_batch_of_plants_is_each_of_them():
     factors = np.array([0.9, 1.0, 1.1])
     first = STRUCTURE.bending[0]
@@ -393,6 +397,7 @@ def test_what_does_not_go_together_is_refused():
         AUTOPILOT.band_margins(rigid)
 
 
+@pytest.mark.thorough
 def test_the_worst_wind_of_a_loop_with_filters_is_that_of_a_fine_grid():
     plant = tv.Plant.from_vehicle(BOOSTER, "drift-exact")
     autopilot = replace(AUTOPILOT, delay=0.0, alpha_gain=0.1, rate_filters=(FILTERS[0],))

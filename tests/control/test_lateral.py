@@ -229,6 +229,7 @@ def over_a_flight(case: Case) -> tuple[tv.FlightSchedule, tv.control.GainSchedul
     return tv.FlightSchedule(flown, structure=bent), schedule
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.thorough)])
 def test_scheduled_gains_of_drift_and_their_bands_are_those_of_own_equations(seed):
     base = drawn(seed, 2)
@@ -516,6 +517,7 @@ def test_a_planar_flight_with_drift_is_linear_in_a_small_wind():
         assert np.abs(planar[name] - linear[name]).max() < 1e-4 * size
 
 
+@pytest.mark.thorough
 def test_linear_margins_of_a_sampled_flight_with_drift_are_those_of_the_loop():
     vehicle = tv.load_vehicle("configuration-i")
     plant = tv.Plant.from_vehicle(vehicle)

@@ -21,6 +21,7 @@ SAMPLED = replace(AUTOPILOT, sample_rate=25.0)
 SLOW = "is below twice the frequency of bending 3"
 
 
+@pytest.mark.thorough
 def test_the_booster_sampled_at_25_hertz():
     plant = booster()
     loop = SAMPLED.exact_loop(plant)
@@ -79,6 +80,7 @@ def by_aliases(autopilot, plant, omega, terms=640):
     return -value
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("rate", "delay"), usual([(25.0, 0.02), (25.0, 0.11), (12.5, 0.08), (40.0, 0.0)], 1)
 )
@@ -133,6 +135,7 @@ def test_a_rigid_plant_is_sampled_as_well_with_all_its_feedbacks():
     np.testing.assert_allclose(errors[0] / errors[1], 4.0, rtol=0.02)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("late", [0, 1, 2])
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact", "drift-and-speed"])
 def test_a_rigid_loop_and_its_margins_are_those_of_python_control(model, late):
@@ -274,6 +277,7 @@ def test_what_cannot_be_sampled_is_refused():
         SAMPLED.frequency_response(booster(), 100.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("late", [0.0, 0.3, 0.9999, 1.0, 1.7])
 @pytest.mark.parametrize("rate", [8.0, 25.0])
 def test_a_delay_margin_ends_where_an_eigenvalue_is_on_the_circle(rate, late):
@@ -296,6 +300,7 @@ def test_a_delay_margin_ends_where_an_eigenvalue_is_on_the_circle(rate, late):
             assert (radius < 1.0) == (part < 1.0)
 
 
+@pytest.mark.thorough
 def test_a_mode_beside_half_the_sample_rate_grows_with_less_delay_than_phase_says():
     """Its |L| is below one at this part of a sample, and above it a third of a sample later."""
     autopilot = tv.Autopilot(

@@ -75,6 +75,7 @@ def frequency_integral(function, corners):
     return sum(parts)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("alpha_gain", [0.0, 0.3])
 def test_a_variance_is_the_integral_of_the_spectrum_with_the_exact_delay(alpha_gain):
     autopilot = replace(AUTOPILOT, delay=0.06, alpha_gain=alpha_gain)
@@ -158,6 +159,7 @@ def flown_in_a_triangle(runs):
     return times, *np.moveaxis(sampled_motion(AUTOPILOT, winds, step), 1, 0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("runs", [400, pytest.param(10_000, marks=pytest.mark.thorough)])
 def test_flights_in_sampled_turbulence_have_mean_spread_travel_and_crossings(runs):
     times, deflections, rates = flown_in_a_triangle(runs)
@@ -279,6 +281,7 @@ def test_settled_turbulence_has_its_stationary_covariance_throughout(sample_rate
     assert np.isclose(calm.crossings(0.002), 4.0 * stationary.crossing_rate(0.002), rtol=5e-3)
 
 
+@pytest.mark.thorough
 def test_welch_finds_the_spectrum_of_the_deflection_in_flights():
     step, runs = 0.05, 8
     times = step * np.arange(2**13 + 400)
@@ -385,6 +388,7 @@ def test_turbulence_below_a_cutoff_is_the_part_of_the_spectrum_below_it():
     assert np.isclose(single.deviation()[-1], result.rms(), rtol=1e-2)
 
 
+@pytest.mark.thorough
 def test_along_a_flight_a_structure_and_drift_count():
     schedule, gains = flight()
     air = tv.winds.Turbulence.mil_f_8785c("moderate")
@@ -451,6 +455,7 @@ def test_along_a_flight_a_sampled_autopilot_has_the_covariance_of_its_flights(ru
     assert abs(travels.std() / result.travel_deviation() - 1.0) < 5.0 / np.sqrt(2.0 * runs) + 0.02
 
 
+@pytest.mark.thorough
 def test_along_a_flight_a_constant_sampled_loop_is_a_history():
     schedule = tv.FlightSchedule(BOOSTER.replace(time=[60.0, 64.0]))
     autopilot = replace(
@@ -546,6 +551,7 @@ def test_loads_along_a_flight_are_those_of_its_times():
     assert np.all((low * (1.0 - 1e-9) <= moment) & (moment <= high * (1.0 + 1e-9)))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sample_rate", [None, 40.0])
 def test_behind_a_low_pass_the_angle_of_attack_has_crossings(sample_rate):
     """The variances are integrals of spectra, times that of the low-pass."""

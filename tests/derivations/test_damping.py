@@ -86,6 +86,7 @@ def damped_attitude(model):
     return result, sp.sympify(turn).subs(Theta, result)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(MODELS, 0, 2))
 def test_damping_changes_denominators_and_no_numerator_of_the_attitude(model):
     derived = gains(damped_attitude(model)[0])
@@ -121,6 +122,7 @@ def test_the_growing_coordinate_has_p_plus_d_below_the_rate():
     assert sp.expand((s - p) * (s + p + d) - (s**2 + d * s - p * (p + d))) == 0
 
 
+@pytest.mark.thorough
 def test_the_residue_at_p_is_that_of_an_undamped_vehicle_with_beta_equal_to_p():
     """Eq (4b), and with it (6) to (12): the wind and the deflection enter at s = p alone."""
     slope, B_ = peak / (tau / 2), sp.Symbol("B", positive=True)
@@ -165,6 +167,7 @@ def flown_limit(mu, damping, tau_pole, K):
     return brentq(falls, 0.01, 0.999 / max(K, 1e-9) if K else 1.0, xtol=1e-10)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("mu", "damping", "tau_pole", "K", "expected"), NUMBERS)
 def test_limits_are_those_of_an_integration_that_knows_no_pole(mu, damping, tau_pole, K, expected):
     c = tv.Coefficients(mu_alpha=mu, mu_delta=2.6, damping=damping)
@@ -255,6 +258,7 @@ def test_what_a_jet_changes_at_full_scale(name, damping, tau_beta, K, limit, bef
         assert computed == pytest.approx(expected, abs=6e-5)
 
 
+@pytest.mark.thorough
 def test_the_response_is_two_unlike_exponentials():
     """Theta under a unit step of -(delta/B + wind): c(t) - 1, c'' + d c' = p (p + d) c."""
     c = ((p + d) * sp.exp(p * t) + p * sp.exp(-(p + d) * t)) / (2 * p + d)

@@ -103,6 +103,7 @@ def printed_17():
     return -B * SLOPE * ((s + b2) / (s**2 * (s + b1)) - held * sp.exp(-a * s))
 
 
+@pytest.mark.thorough
 def test_the_transform_of_the_control_needs_the_switch_of_equation_11():
     """Eq (17): right for a = y K tau/2 only; off by (K tau y - 2 a)/(2 s) otherwise."""
     derived = transform(TRIM_THEN_HOLD)
@@ -112,6 +113,7 @@ def test_the_transform_of_the_control_needs_the_switch_of_equation_11():
     assert not equal(printed_17(), derived)
 
 
+@pytest.mark.thorough
 def test_the_triangular_limit_with_drift_follows():
     """Eq (18): (17) and the triangle in (15a)."""
     total = balance(TRIM_THEN_HOLD, TRIANGLE).subs(a, SWITCH)
@@ -119,6 +121,7 @@ def test_the_triangular_limit_with_drift_follows():
     assert equal(total * beta**2 / (B * SLOPE), printed.subs(a, SWITCH))
 
 
+@pytest.mark.thorough
 def test_the_safe_form_of_the_limit_with_drift_is_the_printed_equation():
     """Eq (18): with z = p y and A = K z nothing is divided by b1; its limits are (12)."""
     z = p * y
@@ -135,6 +138,7 @@ def test_the_safe_form_of_the_limit_with_drift_is_the_printed_equation():
     assert equal((safe * sp.exp(-A)).subs(b2, b1), left_of_12 - R)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("tau_beta", "band"), [(0.1, 0.4), (4, 1.0), (4, 0.5), (20, 1.0), (60, 0)])
 def test_the_package_solves_the_printed_equation_with_drift(tau_beta, band):
     """Eq (18): the printed residual changes sign within 1e-12 of the package's limit."""
@@ -163,6 +167,7 @@ def test_the_reports_switch_leaves_the_dead_band_early():
             assert 2 * trim / (duration * limit) == pytest.approx(band, abs=6e-4)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("tau_beta", "limit"), usual([(4, 0.6649), (20, 0.8366), (40, 0.8072)], 1))
 def test_a_dead_band_meant_literally_has_other_limits(configuration_i, tau_beta, limit):
     """Eq (18): with a where trim itself is K y: 0.8366, not 0.7939, at tau beta = 20 (I, K = 1)."""

@@ -52,6 +52,7 @@ def evaluate(pieces, times, numbers):
     return total
 
 
+@pytest.mark.thorough
 def test_the_growing_exponential_is_absent_exactly_where_the_residue_is_zero():
     """Eq (4b), (6a): the coefficient of e^(beta t) in (13) is the residue of (5) at beta."""
     growing = -peak * long_after(RESPONSE_13)[beta, 0]
@@ -142,6 +143,7 @@ def test_the_triangular_limit_follows():
     assert equal(balance * beta**2 / (B * SLOPE), LEFT_OF_12 - R)
 
 
+@pytest.mark.thorough
 def test_the_response_to_the_triangle_transforms_back():
     """Eq (13): its transform is (5) with trim up to a, for any y: not for the boundary only."""
     driven = MODEL * drive(TRIM_THEN_HOLD, TRIANGLE)
@@ -152,6 +154,7 @@ def test_the_response_to_the_triangle_transforms_back():
     np.testing.assert_allclose(triangular_attitude(parts, 4.0, 0.7, 0.6), printed, atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_the_safe_form_of_the_triangular_limit_is_the_printed_equation():
     """Eq (12): y = (1 - e^-x)/(p (1 - K)) with x + c (1 - e^-x) = L, c = K/(1 - K), solves it."""
     x = sp.Symbol("x", positive=True)

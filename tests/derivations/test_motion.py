@@ -48,6 +48,7 @@ def unit(angle):
     return sp.Matrix([sp.cos(angle), sp.sin(angle)])
 
 
+@pytest.mark.thorough
 def test_the_forces_and_the_moment_resolve_to_the_planar_equations():
     """Eq (B1a), (B1b), (B1c): forces along and across the velocity, and their moment."""
     steered, normal = T * unit(Theta + delta), unit(Theta + sp.pi / 2)
@@ -57,6 +58,7 @@ def test_the_forces_and_the_moment_resolve_to_the_planar_equations():
     assert equal(la * N * alpha - lc * steered.dot(normal), MOMENT)
 
 
+@pytest.mark.thorough
 def test_the_normal_force_slope_is_pressure_times_area_times_coefficient():
     """Eq (B1d): N = (rho V_R^2/2) S dc_n/dalpha; its change with speed is of second order."""
     rho, area, slope, speed = 0.4, 34.0, 1.7, 540.0
@@ -87,6 +89,7 @@ def test_the_wind_angle_turns_the_velocity_relative_to_the_air():
     assert tvclin.angle_from_speed(1e-4, 500.0, path) == pytest.approx(small, rel=1e-13)
 
 
+@pytest.mark.thorough
 def test_the_small_angle_equations_are_the_first_order_in_the_deflection():
     """Eq (B2a), (B2b), (B2c): (B1) to first order in delta, with the same linear part."""
     lean = Theta - gamma
@@ -120,6 +123,7 @@ def test_the_trim_angle_of_attack_is_that_of_the_path_and_the_wind():
     assert equal(trimmed, -(gamma_T - gamma_n) - wind)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(3))
 def test_the_moment_equation_gives_the_attitude_with_the_factor_one_over_b(seed):
     """Eq (B3), (B4): the attitude from path, deflection and wind; the 1/B belongs there."""
@@ -161,6 +165,7 @@ def test_the_linearised_pair_is_the_linear_part_of_the_force_equations():
     assert equal(m * (V * turning + Vn * path_rate), force)
 
 
+@pytest.mark.thorough
 def test_the_path_angle_follows_from_the_pair_without_the_perturbed_speed():
     """Eq (B5): V (not V_n) and gamma_n' are put in; both printed forms follow."""
     derived = solved(s * gamma - path_rate.subs(V, solved(s * V - speed_rate, V)), gamma)

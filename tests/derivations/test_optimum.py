@@ -78,6 +78,7 @@ def test_the_excess_function_rewards_the_sign_against_the_sum():
     assert equal((changed - INTEGRAND).subs(on_c2), WEIGHT * (other - top))
 
 
+@pytest.mark.thorough
 def test_the_sum_changes_sign_at_the_switching_time():
     """Eq (after C4): t_s = -ln(-lambda1/lambda2)/(beta2 - beta1); N terms switch N - 1 times."""
     m1, m2 = sp.symbols("lambda1 lambda2", positive=True)
@@ -129,6 +130,7 @@ def test_the_power_law_holds_below_one_to_a_part_in_a_thousand(share, error):
     assert 0.5**10 < 0.001
 
 
+@pytest.mark.thorough
 def test_for_large_y_the_root_is_above_one_half():
     """Eq (after C7): x -> (y - 1 + 2^(1 - r))/(2 y), above 1/2, unlike the printed form."""
     right, printed = (y - 1 + 2 ** (1 - r)) / (2 * y), (y - 1) / (2 * y)
@@ -154,6 +156,7 @@ def test_the_demand_of_a_triangular_wind_at_each_pole():
     assert equal(demand, -2 * B * peak / tau * K1_at(pole) * printed)
 
 
+@pytest.mark.thorough
 def test_y_of_a_triangular_wind_carries_the_ratio_of_both_k1(named):
     """Eq (C8): times K1_1/K1_2, which is 0.737 (I) and 0.806 (II); so are its limits."""
     demand = [-B * K1_at(pole) * transform(TRIANGLE).subs(s, pole) for pole in (beta1, beta2)]

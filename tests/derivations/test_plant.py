@@ -46,6 +46,7 @@ NUMERATORS = {
 SEEDS = pytest.mark.parametrize("seed", usual(range(3), 0))
 
 
+@pytest.mark.thorough
 def test_the_path_angle_at_constant_speed_is_a_single_lag():
     """Eq (B6): the path equation at constant speed, which is (B5) without its gravity term."""
     derived = solved(s * gamma - path_rate.subs(V, 0), gamma)
@@ -53,6 +54,7 @@ def test_the_path_angle_at_constant_speed_is_a_single_lag():
     assert equal(derived, printed)
 
 
+@pytest.mark.thorough
 @SEEDS
 def test_the_cubic_and_its_numerators_follow(seed):
     """Eq (B7): P, C1, C2, b1 and b2 as printed; the plant has them."""
@@ -68,6 +70,7 @@ def test_the_cubic_and_its_numerators_follow(seed):
         assert computed == pytest.approx(value(symbol, exact), rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_the_printed_equation_of_the_cubic_lacks_one_over_b():
     """Eq (after B6): printed with -beta^2/P(s), exactly B times what follows from (B3), (B6)."""
     printed = -beta_squared / P * ((s + b1) * delta + B * (s + b2) * wind)

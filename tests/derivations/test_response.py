@@ -90,6 +90,7 @@ def integrated(point, times):
     return computed
 
 
+@pytest.mark.thorough
 def test_the_corrected_response_transforms_back():
     """Eq (B9): as corrected its transform is (B8) with (17) and the triangle, for any y."""
     bracket = (s + b1) * transform(CONTROL) + B * (s + b2) * transform(TRIANGLE)
@@ -114,6 +115,7 @@ def test_the_corrected_response_is_the_numerical_inverse_transform(case):
             assert abs(evaluate(equation_b9(), time, point) - total) < mpf("1e-25")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", usual([(case,) for case in CASES], 0, 3))
 def test_the_corrected_response_solves_the_differential_equations(case):
     """Eq (B9): corrected, equal to the motion solved to 50 digits, during and after the wind."""

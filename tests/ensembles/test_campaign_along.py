@@ -52,6 +52,7 @@ def columns():
     return evaluate(campaign(), 0, 4)
 
 
+@pytest.mark.thorough
 def test_a_case_is_a_flight_of_its_vehicle_in_the_worse_of_head_and_tail_wind(columns) -> None:
     made, laws = flight(flexible=False), autopilot(sample_rate=20.0)
     vehicle, nominal = made.vehicle, made.at(55.0)
@@ -156,6 +157,7 @@ def test_soundings_are_drawn_with_their_own_direction() -> None:
     assert set(answers["wind"].tolist()) == {0, 1}
 
 
+@pytest.mark.thorough
 def test_a_flight_in_a_sounding_that_ends_before_it_is_never_survived() -> None:
     made = flight(flexible=False)
     sounding = tv.fly_through(jet(20.0, 0.0, 1.5e4), made, azimuth=np.pi / 2)
@@ -206,6 +208,7 @@ def test_modes_vary_and_notches_stay_at_the_nominal_frequency() -> None:
         assert (difference < 1e-10 * size) == same
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -285,6 +288,7 @@ def test_a_file_flies_its_cases_along_the_flight_with_its_schedule_and_notches(t
     assert tv.studyfile.load_campaign(file).along.autopilot.breakpoints.size == 17
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

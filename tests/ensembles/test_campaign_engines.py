@@ -103,6 +103,7 @@ def test_a_scheduler_that_is_not_there(plan, tmp_path, monkeypatch):
     assert "give --workers or --scheduler, not both" in result.stderr
 
 
+@pytest.mark.thorough
 def test_a_scheduler_that_is_not_there_leaves_no_client_that_closes_for_ten_seconds(monkeypatch):
     """A `Client` that could not connect waits as it is deleted, and prints what it fails with."""
     distributed = pytest.importorskip("distributed")

@@ -54,6 +54,7 @@ def plant_of(values, structure=STRUCTURE):
     )
 
 
+@pytest.mark.thorough
 def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
     plan = campaign()
     result = evaluate(plan, 0, 12)
@@ -85,6 +86,7 @@ def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
         assert result["flight_survived"][k] == (flown.status == "survived")
 
 
+@pytest.mark.thorough
 def test_a_case_has_the_same_bits_alone_and_among_others():
     plan = campaign()
     together = evaluate(plan, 0, 12)
@@ -93,6 +95,7 @@ def test_a_case_has_the_same_bits_alone_and_among_others():
         assert values[0] == together[name][7] or np.isnan(values[0])
 
 
+@pytest.mark.thorough
 def test_a_flight_that_rings_has_not_survived():
     """Without a notch the mode grows near rest in every case."""
     result = evaluate(campaign(design=replace(DESIGN, filters=())), 0, 6)
@@ -101,6 +104,7 @@ def test_a_flight_that_rings_has_not_survived():
     assert np.all(np.isinf(result["flight_peak_attitude"]))
 
 
+@pytest.mark.thorough
 def test_a_manifest_keeps_structure_and_autopilot_to_the_last_bit():
     engine = tv.vehicle.Engine(mass=2000.0, arm=1.4, moment_of_inertia=2e3)
     whole = replace(STRUCTURE, engine=engine, rate_gyro=tv.vehicle.Filter.low_pass(120.0, 0.7))

@@ -190,6 +190,7 @@ def test_losses_are_counted_with_clopper_and_pearsons_interval(flown_only):
     assert (survival.lower, survival.upper) == pytest.approx((1.0 - loss.upper, 1.0 - loss.lower))
 
 
+@pytest.mark.thorough
 def test_what_drives_loss_is_asked_of_all_flights(flown_only):
     """The excess of mean ranks of those that are lost, and chance by permutation."""
     lost = flown_only.column("flight_survived") == 0.0
@@ -208,6 +209,7 @@ def test_what_drives_loss_is_asked_of_all_flights(flown_only):
     assert abs(peaks["wind_duration"]) > abs(peaks["velocity"])
 
 
+@pytest.mark.thorough
 def test_a_flight_that_is_lost_has_no_angle_and_a_limit_is_compared_with_deflections(flown_only):
     attitude = "flight_peak_attitude"
     assert flown_only.angles[:2] == ("flight_peak_deflection", attitude)

@@ -117,6 +117,7 @@ FLOWN = TABLES | {
 }
 
 
+@pytest.mark.thorough
 def test_a_flight_of_both_planes_survives_where_one_along_the_wind_does() -> None:
     plan = replace(parse_campaign(FLOWN), sign="frozen")
     result = evaluate(plan, 0, 12)

@@ -79,6 +79,7 @@ def same(first, second):
         np.testing.assert_array_equal(first.column(name), second.column(name), err_msg=name)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("chunk", usual([97, 256, 700, 5000], 2))
 def test_the_chunk_changes_no_bit(plan, whole, tmp_path, chunk):
     same(whole, tv.run_campaign(replace(plan, chunk=chunk), tmp_path))
@@ -102,6 +103,7 @@ def test_a_case_alone_has_the_bits_that_it_has_in_company(plan, model):
                     np.testing.assert_array_equal(values, whole[name][first : first + count], name)
 
 
+@pytest.mark.thorough
 def test_damping_is_dispersed_by_its_name_and_every_case_is_that_of_a_single_study(plan):
     vehicle = plan.vehicle.replace(pitch_damping=0.05 * plan.vehicle.moment_of_inertia)
     nozzle = tv.Nozzle(limit=0.01, rate_limit=0.5, actuator=tv.Actuator(natural_frequency=20.0))
@@ -171,6 +173,7 @@ def test_cases_are_those_of_single_studies(plan, whole):
         assert computed == pytest.approx(study.minima["fixed-path"], rel=1e-12)
 
 
+@pytest.mark.thorough
 def test_an_executor_out_of_order_changes_no_bit(plan, whole, tmp_path):
     counts = []
     with ThreadPoolExecutor(3) as pool:
@@ -182,6 +185,7 @@ def test_an_executor_out_of_order_changes_no_bit(plan, whole, tmp_path):
     assert [done for done, _ in counts] == sorted(done for done, _ in counts)
 
 
+@pytest.mark.thorough
 def test_workers_are_told_the_whole_path(plan, whole, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     counts = []
@@ -197,6 +201,7 @@ def test_workers_are_told_the_whole_path(plan, whole, tmp_path, monkeypatch):
     assert set(counts) == {str(tmp_path / "results")}
 
 
+@pytest.mark.thorough
 def test_shards_make_up_the_whole(plan, whole, tmp_path):
     parts = [tv.run_campaign(plan, tmp_path, shard=f"{i}/3") for i in (3, 1, 2)]
     assert [part.cases for part in parts] == [128 + 60, 3 * 128 + 60, 700]
@@ -304,6 +309,7 @@ def test_what_a_footer_says_is_no_more_believed_than_the_numbers(plan, whole, tm
     same(whole, tv.ensembles.open_campaign(folder))
 
 
+@pytest.mark.thorough
 def test_damaged_and_foreign_chunks_are_named_and_computed_anew(plan, whole, tmp_path):
     tv.run_campaign(plan, tmp_path)
     other = tv.run_campaign(replace(plan, seed=12), tmp_path / "other")
@@ -345,6 +351,7 @@ def test_a_folder_that_is_removed_while_it_is_worked_in_is_not_made_anew(plan, t
     assert not folder.exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "damage", usual([lambda text: text[:50], lambda text: text.replace("11", "12")], 0)
 )
@@ -361,6 +368,7 @@ def test_a_damaged_manifest_says_how_it_is_mended(plan, whole, tmp_path, damage)
     assert chunk_file(tmp_path, 0).stat().st_mtime_ns == made
 
 
+@pytest.mark.thorough
 def test_a_changed_manifest_is_refused(plan, tmp_path):
     tv.run_campaign(plan, tmp_path, shard="1/3")
     with pytest.raises(tv.InputError, match="holds another campaign, or this one before"):
@@ -393,6 +401,7 @@ def test_a_worker_without_a_compiler_refuses(plan, monkeypatch):
         check_versions(compiled)
 
 
+@pytest.mark.thorough
 def test_a_full_disk_is_one_sentence_and_keeps_what_is_done(plan, whole, tmp_path, monkeypatch):
     import pyarrow.parquet
 
@@ -413,6 +422,7 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_is_done(plan, whole, tmp_pat
     same(whole, tv.ensembles.resume_campaign(tmp_path))
 
 
+@pytest.mark.thorough
 def test_a_case_that_cannot_be_has_a_status_and_the_others_go_on(plan, tmp_path):
     wild = tv.Dispersions((tv.Dispersion("thrust", "normal", 0.6),))
     results = tv.run_campaign(replace(plan, dispersions=wild), tmp_path)

@@ -28,6 +28,7 @@ def test_a_saturation_takes_as_much_gain_as_it_takes_time():
         assert np.isclose(1.0 - gain, 2.0 * norm.sf(limit), atol=1e-8)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("sample_rate", [None, 25.0])
 def test_the_time_beyond_a_limit_is_that_of_the_normal_distribution(sample_rate):
     autopilot = replace(AUTOPILOT, sample_rate=sample_rate)
@@ -42,6 +43,7 @@ def test_the_time_beyond_a_limit_is_that_of_the_normal_distribution(sample_rate)
     assert np.isclose(history.time_fraction(limit), np.trapezoid(beyond, history.times) / 10.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("runs", [100, pytest.param(2000, marks=pytest.mark.thorough)])
 def test_a_limit_that_is_met_rarely_leaves_the_linear_answer(runs):
     flights = fly_turbulence(
@@ -60,6 +62,7 @@ def test_a_limit_that_is_met_rarely_leaves_the_linear_answer(runs):
     assert chance - error < flights.unlimited.estimate < chance + error + 0.02
 
 
+@pytest.mark.thorough
 def test_a_limit_that_is_met_often_has_no_linear_answer():
     flights = fly_turbulence(
         AUTOPILOT, PLANT, AIR, SPEED, 20.0, deflection_limit=np.radians(0.1), runs=100
@@ -71,6 +74,7 @@ def test_a_limit_that_is_met_often_has_no_linear_answer():
     assert "its answer is none" in str(flights.tables()[0])
 
 
+@pytest.mark.thorough
 def test_a_known_wind_and_fewer_runs_change_no_other_flight():
     wind = tv.TriangularWind(peak=np.radians(2.0), duration=5.0)
     case = (AUTOPILOT, PLANT, AIR, SPEED, 8.0)

@@ -187,6 +187,7 @@ def test_a_frozen_flight_in_both_planes_is_that_of_the_frozen_vehicle(shape, deg
     assert len(statuses) == 2
 
 
+@pytest.mark.thorough
 def test_a_varying_flight_in_both_planes_is_the_solution_of_its_equations() -> None:
     """A veering wind, the pressure of its triangle, and the vector limit, in small steps: 1e-5."""
     made, h = flight(flexible=False), 0.02
@@ -236,6 +237,7 @@ def test_a_varying_flight_in_both_planes_is_the_solution_of_its_equations() -> N
     assert limited > 20
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gust", usual([None, tv.TriangularWind(peak=0.02, duration=3.0)], 0))
 def test_planes_in_a_sounding_without_limits_are_flights_of_one_plane(gust) -> None:
     made, law = flight(flexible=False), autopilot(sample_rate=50.0)
@@ -271,6 +273,7 @@ def test_a_wind_in_pitch_alone_is_the_flight_of_that_plane_to_its_limit() -> Non
         assert not np.any(both.planes["yaw"].outputs["attitude"])
 
 
+@pytest.mark.thorough
 def test_a_nozzle_that_overshoots_its_limit_shape_is_not_known_to_survive() -> None:
     """A square limits each plane at the nozzle too; a circle limits its commands alone."""
     made = flight(flexible=False)
@@ -310,6 +313,7 @@ def test_flights_in_both_planes_that_cannot_be(autopilots, options, message) -> 
         tv.flights.fly_planes_along(flight(flexible=False), laws, **options)
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not choice.available(), reason="machine code needs numba")
 def test_machine_code_flies_both_planes_as_plain_python_does() -> None:
     wind = tv.winds.PlaneWind.towards(GUST.shift(52.0), 0.5)

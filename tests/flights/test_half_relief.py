@@ -51,6 +51,7 @@ def test_a_stable_vehicle_has_no_pole_to_begin_with():
         tv.control.half_relief_gains(stable)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", usual(range(6), 0, 1))
 def test_what_rests_within_the_reach_comes_back_and_its_energy_falls(seed):
     """Any k > 1, d > 0: theta'' = theta - sat(k theta + d theta') from rest, time in 1/beta."""
@@ -201,6 +202,7 @@ class Written(tv.control.Law):
         return request + HALF.alpha_gain * (theta - states[1]) + self.integral * states[2]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("integral", [0.0, 0.02])
 @pytest.mark.parametrize("compiled", [False, True])
 def test_an_estimated_law_flies_as_its_loop_written_out(integral, compiled):

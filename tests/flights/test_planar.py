@@ -169,6 +169,7 @@ def test_times_may_be_few_and_in_any_order():
     np.testing.assert_allclose(few.outputs, many.outputs[:, [8, 0, 5]], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_varying_parameters_are_those_of_another_integration():
     """The whole flight in inertial quantities, air speed from wind speed, by another solver."""
     vehicle, wind = case(NAMES[0], peak=np.radians(3.0))
@@ -240,6 +241,7 @@ def test_with_varying_parameters_sign_size_and_plane_of_the_wind_matter():
     assert computed[1.0, "yaw"] == pytest.approx(0.65, abs=0.015)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -97,6 +97,7 @@ def test_what_is_not_linear_grows_with_the_wind_and_turns_with_its_sign(configur
     assert off[2] == pytest.approx(2.0 * off[0], rel=0.1)
 
 
+@pytest.mark.thorough
 def test_a_rectangular_wind_that_jumps_between_two_steps(configuration_i):
     beta = tv.Coefficients.from_vehicle(configuration_i).beta
     wind = tv.RectangularWind(peak=DEGREE, duration=4.0 / beta).shift(0.0037)
@@ -150,6 +151,7 @@ def test_every_output_tends_to_that_of_the_linear_model(configuration, plane, si
     assert off[1] < 0.003
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(6))
 def test_any_vehicle_flies_as_its_linear_model(seed):
     """Stable ones too, effectors ahead of the centre of gravity, and others than the thrust."""
@@ -267,6 +269,7 @@ def at_its_time(vehicle, peak=DEGREE):
     return wind, np.linspace(float(wind.onset), float(wind.end), 41)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("plane", "peak"), [("pitch", -3 * DEGREE), ("yaw", DEGREE)])
 def test_along_the_trajectory_it_flies_as_the_equations_of_the_report(configuration_i, plane, peak):
     """Another solver, atmosphere and nominal flight; deviations agree, in the wind's measure."""
@@ -325,6 +328,7 @@ def test_feedback_of_lateral_motion_flies_as_the_equations_of_the_report(
     assert with_it < 1.1 * without + 3e-4 * 3 * DEGREE
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("plane", "planar"), usual([("pitch", 0.62851), ("yaw", 0.64810)], 0))
 def test_the_boundary_along_the_trajectory_is_that_of_planar_flights(
     configuration_i, plane, planar
@@ -362,6 +366,7 @@ def test_the_nominal_flight_of_the_engine_is_the_gravity_turn(configuration_i):
     assert abs(read("aero/alpha-rad")()) < 1e-6
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("plane", ["pitch", "yaw"])
 def test_over_the_earth_a_flight_is_measured_against_the_one_without_wind(configuration_i, plane):
     """Left alone it is that flight bit for bit; in a wind it is nearly that over a flat planet."""
@@ -469,6 +474,7 @@ def _with_integral(gains):
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "name", ["trim", "dead band", "gains", "integral", "rate limit", "lean", "estimator"]
 )
@@ -521,6 +527,7 @@ def test_a_history_is_limited(configuration_i):
     assert flown.outputs["deflection"][-1] == 0.002
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("law", "linear"),
     usual([("trim", 0.6545), ("half-relief", 0.4429), ("recoverable-attitude", 0.3895)], 1),
@@ -563,6 +570,7 @@ class Lost(tv.control.Law):
         return np.nan
 
 
+@pytest.mark.thorough
 def test_bad_input_is_said_in_one_sentence(configuration_i, configuration_ii):
     wind, law = triangle(configuration_i), tv.TrimLaw(drifting(configuration_i))
     early = tv.linear.ConstantDeflection(limit=0.001, start=-1.0)

@@ -51,6 +51,7 @@ def arguments(name: str) -> dict[str, inspect.Parameter]:
     }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", sorted(FIGURES))
 def test_what_a_figure_cannot_be_drawn_of_is_refused_in_one_sentence(name: str) -> None:
     """Each value in place of all that a figure needs; of one that needs nothing, of each option."""
@@ -63,6 +64,7 @@ def test_what_a_figure_cannot_be_drawn_of_is_refused_in_one_sentence(name: str) 
             assert "\n" not in str(refused.value)
 
 
+@pytest.mark.thorough
 def test_a_figure_is_saved_under_a_name_that_is_a_text(tmp_path: Path) -> None:
     plots.save_figure(plots.sketch_a(), str(tmp_path / "a.png"))
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")

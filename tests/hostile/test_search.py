@@ -219,12 +219,14 @@ sources = st.one_of(
 )
 
 
+@pytest.mark.thorough
 @searched(120, command_lines(list(CHEAP), sources))
 def test_no_option_is_a_traceback_or_no_number(line: list[str]) -> None:
     with away():
         check(*line)
 
 
+@pytest.mark.thorough
 @searched(25, command_lines(list(DEAR), st.just([])))
 def test_no_option_of_a_long_command_is_a_traceback_or_an_endless_wait(line: list[str]) -> None:
     with away():
@@ -271,6 +273,7 @@ def _written(name: str, text: str) -> None:
 VEHICLE_COMMANDS = ["study", "respond", "poles", "boundary", "margins", "ascent", "fly"]
 
 
+@pytest.mark.thorough
 @searched(
     100,
     mutated(VEHICLE),
@@ -302,6 +305,7 @@ def far_off(draw: Callable) -> str:
     return re.sub(r"(?m)^(\w+ = )([0-9.e+]+)", changed, text)
 
 
+@pytest.mark.thorough
 @searched(
     100,
     far_off(),

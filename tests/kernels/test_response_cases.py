@@ -90,6 +90,7 @@ def both(
         return plain, tv.attitude_responses(plant, deflection, wind, times).outputs
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("even", [True, False], ids=["even", "uneven"])
 @pytest.mark.parametrize("model", MODELS)
 def test_machine_code_says_what_plain_python_says(model: str, even: bool) -> None:
@@ -238,6 +239,7 @@ def test_the_order_of_the_times_does_not_matter(run: None) -> None:
     np.testing.assert_allclose(computed, rising[:, mixed], rtol=1e-13, atol=1e-17)
 
 
+@pytest.mark.thorough
 def test_a_case_needs_nothing_of_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
     plants = dispersed("fixed-path", 4, (150, 1))
@@ -279,6 +281,7 @@ def test_slow_and_fast_cases_share_a_batch(points: int) -> None:
     assert np.max(np.abs(fast - plain) / scale) < AGREE
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", MODELS)
 def test_each_vehicle_has_the_bits_it_has_alone_with_the_control_of_the_report(
     model: str, run: None

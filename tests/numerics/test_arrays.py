@@ -36,6 +36,7 @@ def moment_error(z, degree):
     return max(errors)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("degree", [0, 1, 2, 7, 14, 15])
 @pytest.mark.parametrize("size", SIZES)
 def test_moments_are_exact_to_rounding_in_the_whole_complex_plane(size, degree):

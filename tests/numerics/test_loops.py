@@ -125,6 +125,7 @@ def test_every_crossing_is_that_of_forty_digits(family, rounding, count):
                 assert computed == pytest.approx(float(expected), rel=rounding, abs=rounding)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("family", "rounding"), FAMILIES)
 def test_every_peak_is_that_of_forty_digits(family, rounding):
     loop = family(60, seed=7)

@@ -58,6 +58,7 @@ def random_loop(rng, modes=3):
     return A, B, C
 
 
+@pytest.mark.thorough
 def test_a_proved_approximation_has_as_many_unstable_poles_as_the_exact_delay():
     rng, proved, misled = np.random.default_rng(1), 0, 0
     for _ in range(150):

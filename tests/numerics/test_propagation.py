@@ -64,6 +64,7 @@ def test_exponentials_are_those_of_sixty_digits(matrix):
     assert result.dtype == matrix.dtype
 
 
+@pytest.mark.thorough
 @EACH_MATRIX
 def test_a_short_step_keeps_its_digits_beside_a_very_long_one(matrix):
     steps = np.array([1e-3, 1e5])
@@ -201,6 +202,7 @@ def convolved(kernel, history, time):
     return total
 
 
+@pytest.mark.thorough
 @EACH_SYSTEM
 @EACH_INPUT
 def test_the_motion_is_the_convolution_with_the_impulse_response(system, history):
@@ -313,6 +315,7 @@ def test_the_peak_of_a_smooth_gust_lies_at_its_middle_knot():
     assert time == pytest.approx(1.0, abs=1e-7)
 
 
+@pytest.mark.thorough
 def test_the_rate_of_a_lag_peaks_on_one_side_of_a_knot():
     """In a ramp x' = w - x tends to the slope, x' = slope + (x'(0) - slope) e^-t: it has no summit.
 

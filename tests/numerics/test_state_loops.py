@@ -142,6 +142,7 @@ def test_poles_and_responses_are_those_of_python_control():
         assert tv.control.loop_margins(loop).unstable_poles == unstable
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("delay", [0.0, 0.03])
 def test_no_crossing_of_a_fine_grid_is_missed(delay):
     rng = np.random.default_rng(17)
@@ -166,6 +167,7 @@ def test_no_crossing_of_a_fine_grid_is_missed(delay):
         assert np.sum((c.phase_frequencies > 1e-3) & (c.phase_frequencies < 200.0)) == phases
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("delay", [0.0, 0.02])
 def test_the_peak_behind_the_disk_margin_is_that_of_a_fine_grid(delay):
     rng = np.random.default_rng(23)
@@ -187,6 +189,7 @@ def test_the_peak_behind_the_disk_margin_is_that_of_a_fine_grid(delay):
     assert stable > 2
 
 
+@pytest.mark.thorough
 def test_the_disk_margin_is_that_of_slycot():
     slycot = pytest.importorskip("slycot")
     rng = np.random.default_rng(29)

@@ -49,6 +49,7 @@ def is_needed(shown, step, law, plant, tau_beta, **options):
     assert survives.tolist() == [False] + [True] * len(ABOVE), (tau_beta, shown)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("label", "law"),
     usual([("half relief", HALF), ("recoverable attitude", LEAN), ("trim", TRIM_LAW)], 0),
@@ -148,6 +149,7 @@ def test_what_other_winds_ask_for(words, name):
         assert (flights.status == "survived").tolist() == [False, True, True, True, True]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("words", "durations", "options"),
     [
@@ -162,6 +164,7 @@ def test_what_slow_hardware_asks_for(words, durations, options):
         is_needed(float(shown), 0.006, HALF, EXACT, tau_beta, stops=stops, **options)
 
 
+@pytest.mark.thorough
 def test_a_rate_limit_of_2_degrees_changes_nothing():
     needed = dict(zip(DURATIONS, numbers("half relief", 7), strict=True))
     for tau_beta in (4, 8, 20):
@@ -169,6 +172,7 @@ def test_a_rate_limit_of_2_degrees_changes_nothing():
         is_needed(shown, 0.003, HALF, EXACT, tau_beta, rate_limit=np.radians(2.0))
 
 
+@pytest.mark.thorough
 def test_the_other_configuration():
     ((low, high),) = re.findall(r"Configuration II needs (\S+) to (\S+) \(", PROSE)
     plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-ii"), "drift-exact")
@@ -183,6 +187,7 @@ def test_the_other_configuration():
         assert survives.tolist() == [False] + [True] * len(ABOVE)
 
 
+@pytest.mark.thorough
 def test_long_winds_with_drift():
     is_needed(0.556, 0.003, HALF, EXACT, 40, actuator=None, sample_rate=100.0)
     is_needed(0.508, 0.003, HALF, EXACT, 20, actuator=None, sample_rate=100.0)

@@ -104,6 +104,7 @@ def test_each_mode_is_marked_where_it_peaks_with_its_margin(name):
     assert marked(bode, "gain may rise") == pytest.approx(at)
 
 
+@pytest.mark.thorough
 def test_an_unstable_loop_shows_the_names_of_its_modes_and_no_margins():
     plot = plots.bode_chart(replace(AUTOPILOT, filters=()), PLANT)
     upper, lower = ([text.get_text() for text in axes.texts] for axes in plot.axes[:, 0])
@@ -133,6 +134,7 @@ def test_nyquist_turns_as_often_as_the_poles_say(name):
     assert f", {unstable} unstable open-loop pole" in heading
 
 
+@pytest.mark.thorough
 def test_criteria_of_modes_are_judged_in_the_title():
     for limit, words in ((10.0, "criteria bands MET"), (18.0, "criteria bands NOT MET")):
         criteria = tv.control.Criteria.custom(
@@ -158,6 +160,7 @@ def test_a_loop_is_drawn_without_its_plant(chart):
         chart(tv.Loop([1.0], [[1.0, 1.0], [1.0, 2.0]]))
 
 
+@pytest.mark.thorough
 def test_the_root_locus_of_a_sampled_loop_follows_its_discrete_poles():
     """S = ln(z)/h: at factor one the poles of the closed loop, at the margin one on the axis."""
     loop, margins = SAMPLED.exact_loop(PLANT), SAMPLED.margins(PLANT)

@@ -17,6 +17,7 @@ def vectors(curves, label: str) -> np.ndarray:
     return (curves.abscissa + 1j * across)[~np.isnan(across)] * np.pi / 180.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stop", ["round", "square"])
 def test_the_stop_meets_what_is_held_which_is_a_mean_of_the_trim_to_come(stop) -> None:
     wind = tv.winds.PlaneWind.veering(GUST, angle=0.4, rate=np.radians(120) / GUST.duration)
@@ -31,6 +32,7 @@ def test_the_stop_meets_what_is_held_which_is_a_mean_of_the_trim_to_come(stop) -
     assert sizes.max() == pytest.approx(0.1 * float(wind.peak), rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_of_a_study_it_is_that_of_its_wind() -> None:
     vehicle = tv.load_vehicle("configuration-i")
     options = {"duration": 7.5, "peak": 0.08}

@@ -70,6 +70,7 @@ def test_the_march_along_a_flight_is_of_fourth_order(flight, monkeypatch) -> Non
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 16.0, rtol=1 / 3)
 
 
+@pytest.mark.thorough
 def test_constant_parameters_have_the_left_eigenvector_at_all_times(configuration_i) -> None:
     """Over six hundred time constants, in which the costate falls by more than all numbers."""
     constant = tv.FlightSchedule(configuration_i.replace(time=[0.0, 1500.0]))

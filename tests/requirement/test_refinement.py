@@ -33,6 +33,7 @@ def refined(listed: list[float], total: Callable[[float], float]) -> tuple[Float
     return sizing.times, float(np.nanmax([total(t) for t in sizing.times.tolist()]))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("listed", [[55.0, 60.0, 65.0, 70.0], [70.0, 60.0, 65.0, 55.0]])
 def test_the_largest_total_of_a_parabola_is_found_to_a_thousandth(listed) -> None:
     times, largest = refined(listed, lambda t: 1.0 - ((t - 63.1) / 12.0) ** 2)
@@ -40,6 +41,7 @@ def test_the_largest_total_of_a_parabola_is_found_to_a_thousandth(listed) -> Non
     assert times.size <= 4 + 2 * 4
 
 
+@pytest.mark.thorough
 def test_times_far_apart_are_divided_first_so_that_a_peak_between_them_counts() -> None:
     def total(t: float) -> float:
         return float(np.exp(-(((t - 57.4) / 4.0) ** 2)) + 1.05 * np.exp(-(((t - 86.9) / 4.0) ** 2)))

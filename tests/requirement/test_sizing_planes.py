@@ -27,6 +27,7 @@ def jet(height, *, towards: float, shear: float = 0.0) -> tv.WindProfile:
     return tv.WindProfile(height=height, east=east, north=north)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("degrees", usual([0, 30, 45, 90, 200], 1))
 def test_of_equal_planes_a_round_stop_takes_the_norm_of_the_scalar_answer(flight, degrees) -> None:
     straight = tv.size(flight, GUST, times=TIMES, model="fixed-path")
@@ -38,6 +39,7 @@ def test_of_equal_planes_a_round_stop_takes_the_norm_of_the_scalar_answer(flight
     assert misses == pytest.approx(1.0 - abs(np.cos(np.radians(degrees))), abs=1e-14)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", ["fixed-path", "drift-exact"])
 @pytest.mark.parametrize("varying", usual([False, True], 0))
 def test_a_wind_along_one_plane_asks_for_the_same_to_the_last_bit(flight, model, varying) -> None:

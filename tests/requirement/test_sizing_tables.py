@@ -80,6 +80,7 @@ def test_a_shortfall_is_never_printed_as_zero(answers, lacks, words):
     assert f"NOT SUFFICIENT, short by {words}" in said
 
 
+@pytest.mark.thorough
 def test_the_card_of_a_notebook_has_the_digits_of_the_tables(answers):
     _, _, sizing, total = answers
     tallest = tables.by_wind(sizing, "K = 1").rows[0]

@@ -138,6 +138,7 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     assert tv.requirement.worst_total(sizing, "K = 1", rate_limit=1e-3).sufficient is False
 
 
+@pytest.mark.thorough
 def test_the_controllability_ratio_is_that_of_its_parts():
     booster = SCHEDULE.at(66.0)
     gust = tv.OneMinusCosineGust(peak=np.radians(1.5), duration=2.0)

@@ -49,6 +49,7 @@ def test_constant_parameters_give_the_boundary_of_the_frozen_plant(
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("wind", ["jumps", "smooth", "two peaks"])
 def test_constant_parameters_and_any_wind_of_one_sign(configuration_i, wind) -> None:
     history = {
@@ -131,6 +132,7 @@ def what_grows_in_the_end(schedule, wind, limit, K) -> float:
     return float(row @ last + row @ inputs[:, 0] * side * limit / poles[fastest].real)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("K", "damping"), usual([(1.0, 0.0), (0.0, 0.0), (1.0, 0.3), (0.0, 0.3)], 1, 2)
 )
@@ -171,6 +173,7 @@ def trim_law_is_lost(schedule, wind, model, limits):
     return np.abs(x[:, 0] + x[:, 1] / pole[-1]) > reach
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", usual(["fixed-path", "drift", "drift-exact"], 2))
 def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     """On a fixed path by trim and demand alone; with drift the path of a limited flight counts."""
@@ -188,6 +191,7 @@ def test_a_trim_law_flown_in_rough_winds_needs_what_is_said(model) -> None:
     assert lost.tolist() == [True, False]
 
 
+@pytest.mark.thorough
 def test_a_planar_flight_with_varying_parameters_agrees() -> None:
     """Yaw, a faint wind, the whole limit from its onset on: control and models are the same."""
     booster = tv.load_vehicle("configuration-i")
@@ -236,6 +240,7 @@ def test_a_wind_that_turns_and_a_calm(configuration_i) -> None:
     assert sizing.required["K = 1, varying"][1, 0] == 0.0
 
 
+@pytest.mark.thorough
 def test_before_a_moment_turns_a_stable_part_without_a_limited_law_requires_nothing(
     configuration_i,
 ) -> None:
@@ -365,6 +370,7 @@ def test_a_flight_that_turns_back_from_beyond_linear_aerodynamics_does_not_survi
     assert flights.diverge(limits[np.newaxis]).tolist() == [[True, False]]
 
 
+@pytest.mark.thorough
 def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_i) -> None:
     """A centre of pressure that moves behind that of gravity at the end of a flight."""
     arms = [9.45, 9.45, 1.0, -2.0]
@@ -385,6 +391,7 @@ def test_beyond_its_last_unstable_pole_a_flight_is_taken_as_there(configuration_
         tv.size(stable, wind, **options)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("before", "edge"), [(0.0, True), (0.45, True), (1.0, False)])
 def test_a_gust_behind_one_from_the_other_side_requires_what_flights_need(before, edge) -> None:
     """It finds the attitude off to the other side, so that less than trim and demand is enough.

@@ -61,6 +61,7 @@ def test_slow_modes_require_the_minimum_over_all_modes(configuration_i, model, c
         assert -FOURTH_ORDER < over < cells
 
 
+@pytest.mark.thorough
 def test_a_wind_of_any_duration_has_its_last_value_up_to_its_end(configuration_i) -> None:
     """Rectangles whose step ends round beyond the jump would lose a part of the last step."""
     equations = Equations.frozen(configuration_i.rigid, "fixed-path", "pitch")
@@ -141,6 +142,7 @@ def test_both_ways_of_running_the_kernels_agree(configuration_i) -> None:
         np.testing.assert_allclose(plain, machine, rtol=1e-13)
 
 
+@pytest.mark.thorough
 def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configuration_i) -> None:
     """The ideal trim law with a limit, by LSODA: 0.2 percent to either side of what is required."""
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5)
@@ -179,6 +181,7 @@ def test_a_wind_known_by_its_speed_stays_a_velocity(configuration_i, sign, neede
     assert np.degrees(result.required_deflection) == pytest.approx(needed, rel=FLOWN)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("shape", "deg", "needed"),
     [
@@ -301,6 +304,7 @@ def test_dead_bands_of_a_wind_of_two_signs_are_not_defined() -> None:
     assert np.isnan(computed.required[1])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("dead_band", [1.0, 0.5])
 @pytest.mark.parametrize("quick", [False, True])
 def test_a_wind_along_a_flight_requires_the_same_among_others_as_alone(quick, dead_band) -> None:

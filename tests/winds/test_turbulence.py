@@ -204,6 +204,7 @@ def test_a_sounding_resolves_twice_its_widest_gap():
     assert profile.resolved_wavelength == 600.0
 
 
+@pytest.mark.thorough
 def test_samples_below_a_cutoff_have_its_covariance_while_speed_and_length_change():
     air = tv.winds.Turbulence([4.0, 8.0], [300.0, 900.0], altitude=[0.0, 9e3])
     air = replace(air, cutoff_wavelength=600.0)
