@@ -78,7 +78,7 @@ def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
         values[NO_FORECAST] = trade_off.no_forecast_bounds
     if trade_off.limit is not None and trade_off.rate_limit in trade_off.rates:
         values[_NOZZLE] = np.where(trade_off.rates == trade_off.rate_limit, trade_off.limit, np.nan)
-    # `_broken`: NaN in place of infinity, so that the curve has a gap
+    # NaN in place of infinity, so that the curve has a gap
     columns = [
         Column(name, np.degrees(_nan_for_infinity(angles)), "deg")
         for name, angles in values.items()
@@ -185,7 +185,7 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     columns, styles = [], dict(_MARGINS)
     for k, trade_off in enumerate(trade_offs):
         label = f"{plural(len(trade_off.gains), 'gain')}, {_MEANS[trade_off.meaning]}"
-        # over trim; `_broken`: NaN in place of infinity, so that the curve has a gap
+        # over trim; NaN in place of infinity, so that the curve has a gap
         columns.append(Column(label, _nan_for_infinity(trade_off.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
     columns += [

@@ -219,6 +219,7 @@ def all_keys() -> tuple[Key, ...]:
     tables = STUDY_TABLES | VEHICLE_TABLES
     keys = [key for name, table in tables.items() for key in _keys(name, table)]
     names = [key.name for key in keys]
+    # keys of a wind by soundings and of filters; some of them are keys of the tables above too
     extra = [*_keys("wind", SOUNDING_TABLE), *_keys("autopilot.filter", FILTER_TABLE)]
     return (*keys, *(key for key in extra if key.name not in names))
 

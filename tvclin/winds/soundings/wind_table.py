@@ -290,7 +290,8 @@ def _missing_columns_error(
 def _values(sheet: Sheet, column: _Column, notes: list[str]) -> FloatArray:
     """Return the numbers in a column of a sheet in SI units, ``(n,)``, NaN for missing values.
 
-    A note on numbers that stand for a missing value is appended to `notes`.
+    `column`: of a known unit. A note on numbers that stand for a missing value, which none does
+    among heights, is appended to `notes`.
     """
     assert column.factor is not None
     heading = column.heading
