@@ -140,10 +140,10 @@ def angle_from_speed(
         speeds, velocities, paths = np.broadcast_arrays(np.abs(speed), velocity, path)
         k = np.argmax(np.abs(sine))
         raise errors.NotKnownError(
-            f"no wind angle exists for a wind of {speeds.flat[k]:.4g} m/s across a path at"
-            f" {np.degrees(paths.flat[k]):.4g} deg with {velocities.flat[k]:.4g} m/s relative to"
-            " the air: speed sin(flight_path_angle) must stay below velocity; give a slower wind,"
-            " or a later flight time"
+            "speed must be slower, or the flight time later: no wind angle exists for a wind of"
+            f" {speeds.flat[k]:.4g} m/s across a path at {np.degrees(paths.flat[k]):.4g} deg with"
+            f" {velocities.flat[k]:.4g} m/s relative to the air, since speed"
+            " sin(flight_path_angle) must stay below velocity"
         )
     return np.arcsin(sine)
 
