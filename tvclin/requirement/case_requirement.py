@@ -134,7 +134,10 @@ class CaseRequirement:
 
     @property
     def required_deflection(self) -> float:
-        """The required deflection [rad] at the verdict's model and dead band, a size."""
+        """The required deflection [rad] at the verdict's model and dead band, a size.
+
+        It is the largest of `encountered`, or if that is empty, at nominal dynamic pressure.
+        """
         if self.direction == FROZEN:
             return self.nominal_deflection
         return self.encountered[self.direction]

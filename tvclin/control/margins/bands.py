@@ -298,7 +298,7 @@ class ModeBand(Shown):
     @property
     @derived("decibels", name="gain_margin")
     def gain_margin_dB(self) -> Any:
-        """Distance in dB of a gain-stabilised mode's peak below one; NaN for other modes."""
+        """Distance in dB of the peak below one, of a mode `stabilised` by "gain"; else NaN."""
         by_gain = np.asarray(self.stabilised) == GAIN
         return plain(np.where(by_gain, -np.asarray(self.peak_dB), np.nan)[()])
 

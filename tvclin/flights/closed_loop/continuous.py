@@ -312,7 +312,10 @@ def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the law's demand, with the `sign`, is past the threshold."""
+        """Return by how much [rad] the law's demand, times `sign`, is past the threshold.
+
+        It is above it to engage the full limit, and below it to release that.
+        """
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
         if regime.mode:  # the end is below `release`, by a margin against chatter
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand

@@ -639,7 +639,7 @@ def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
     """
 
     def shaped(matrix: FloatArray) -> FloatArray:
-        """Return a matrix, or a flat batch of matrices, as a batch of the shape."""
+        """Return a matrix, or a flat batch of matrices, as a batch of shape `shape`, as above."""
         tail = matrix.shape[-2:]
         return np.broadcast_to(matrix, (int(np.prod(shape)), *tail)).reshape(*shape, *tail)
 
