@@ -247,7 +247,6 @@ def test_loads_far_below_the_peak_have_a_limit_too(plant):
         assert front.verdict.startswith(verdict)
 
 
-@pytest.mark.thorough
 def test_without_a_forecast_half_of_the_peak_is_left():
     front = load_trade_off(FIXED, triangle(FIXED, 8.0), PEAK * np.array([0.4, 0.6]), limit=0.01)
     free = tv.forecast_free_limit(FIXED, triangle(FIXED, 8.0))

@@ -26,7 +26,6 @@ def run(*arguments: str, **options) -> subprocess.CompletedProcess:
     return subprocess.run([sys.executable, "-m", "tvclin", *arguments], check=False, **options)
 
 
-@pytest.mark.thorough
 @pytest.mark.skipif(not FULL.exists(), reason="a device of Linux")
 @pytest.mark.parametrize(
     "arguments",

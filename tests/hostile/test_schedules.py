@@ -46,7 +46,6 @@ def hurt(content: bytes, drawn: random.Random) -> bytes:
     return b"\n".join(lines)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("name", usual(READERS, 0))
 def test_a_damaged_file_is_a_schedule_or_one_sentence(tmp_path: Path, name: str) -> None:
     drawn, file, said = random.Random(7), tmp_path / "flight.csv", []

@@ -62,7 +62,6 @@ def test_a_measured_number_is_what_its_setting_gives(words: str) -> None:
     shown(number, MEASURED[words]())
 
 
-@pytest.mark.thorough
 def test_a_design_peak_30_percent_too_low_changes_nothing() -> None:
     for tau_beta in (8.0, 20.0):
         low, right = (needs(lean(1.0, part), triangle(tau_beta), 25.0) for part in (0.7, 1.0))

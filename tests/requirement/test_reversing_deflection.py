@@ -80,7 +80,6 @@ def test_no_control_needs_less_where_the_effect_of_a_deflection_reverses(mode, m
     assert answer.minimum[0] < answer.required[0] == pytest.approx(answer.trim[0], rel=1e-4)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("dead_band", [1.0, 0.5])
 def test_winds_before_and_after_the_reversal_require_the_same_together_as_alone(mode, dead_band):
     short = tv.TriangularWind(peak=np.radians(5.0), duration=2.0)
