@@ -7,6 +7,7 @@ coordinate z of the fast unstable mode follow a lean Z, as in `laws.recoverable`
 import math
 from typing import Any, NamedTuple
 
+from tvclin.base.arrays import FloatArray, Real
 from tvclin.kernels.source import allocation_free, inlined, kernel
 
 MAX_SLOW_COORDINATE = 0.9999
@@ -20,7 +21,12 @@ SLOW_LOOP_GAIN = 3.0
 _RECOVERY_ITERATIONS = 5
 """Newton iterations: the first guess is within a third, and convergence is quadratic."""
 _BOUND_POWER = 4.0
-"""Exponent beyond which (1 - x)^4 bounds the edge of the recoverable set."""
+"""Ratio r of the poles from which on the edge of the recoverable set for r = 4 lies inside it."""
+_DRIFT_RATE, _DRIFT, _ACCELERATION = 5, 6, 7
+"""Index of drift rate [m/s], drift [m] and lateral acceleration [m/s^2] in the measurements."""
+_ESTIMATED_RATE, _ESTIMATED_WIND, _ESTIMATES = 0, 1, 2
+"""Index of the estimates of attitude rate, and of wind plus path angle, in the states of a law; and
+their number."""
 _MAX_REACH_ITERATIONS = 100
 """Largest number of Newton iterations; about ten suffice unless the path is nearly an edge."""
 _LAST_RELATIVE_STEP = 2.0**-51
@@ -34,12 +40,15 @@ REACH_PLAIN, REACH_COMPILED = 5e-5, 5e-7
 class LawNumbers(NamedTuple):
     """Numbers of a law: gains on measurements and on its state, or of a lean into the wind.
 
-    `engage` and `release` are over the deflection limit. With `leans`, the rows of the fast and of
-    the slow coordinate (zeros without one), `ratio` of slow and fast pole (or zero), the wind per
-    angle, B, and the law's own numbers; `peak` is infinite without a design peak, and
-    `rate_travel`, `reach` times the rate limit over B and the fast pole [rad], without a rate
-    limit. With `estimates` the first two states are attitude rate and wind, which replace the
-    measurements, and the law's own state follows them.
+    The gains, deflection over the measurement, are `attitude` ... `acceleration`. `engage` and
+    `release` are over the deflection limit. With `leans`, the rows of the fast and of the slow
+    coordinate [rad] on attitude, its rate and path angle (zeros without one), `ratio` of slow to
+    fast pole (or zero), `wind`, the factor k of the wind angle w in z' = s (z - u - k w), B, trim
+    deflection per angle of attack, and numbers of the law, see `lean_demand` and `lean_command`;
+    `peak` [rad] is infinite without a design peak, and `rate_travel`, `reach` times the rate limit
+    over B and the fast pole [rad], without a rate limit. With `estimates` the first two states are
+    attitude rate and wind plus path angle, which replace the measurements, and the law's own state
+    follows them.
     """
 
     attitude: float = 0.0
@@ -77,22 +86,24 @@ def law_demand(law: Any, measured: Any, states: Any, limit: float) -> float:
 
     `law`: `LawNumbers`, or a row of an array with their fields: gains on the measurements, or where
     `law.leans` numbers of `lean_demand`, the recoverable-attitude law. `measured`: attitude, its
-    rate, flight path angle, angle of attack, deflection, drift rate, drift, acceleration. `states`:
-    of the law, of which the first has the gain `first_state`; behind the attitude rate and the wind
-    plus path angle of an estimator, which replace the measured ones, where `law.estimates`.
+    rate, flight path angle, angle of attack, deflection [rad, rad/s], drift rate, drift [m/s, m]
+    and lateral acceleration [m/s^2], ``(8,)``. `states`: of the law, ``(s,)``, of which the first
+    has the gain `first_state`; behind the attitude rate and the wind plus path angle of an
+    estimator, which replace the measured ones, where `law.estimates`.
     `limit`: deflection limit [rad].
     """
     theta, rate, path, alpha = measured[0], measured[1], measured[2], measured[3]
-    wind_and_path, state = theta - alpha, 0
+    wind_and_path, state = theta - alpha, 0  # index of the law's own first state
     if law.estimates:
-        rate, wind_and_path, state = states[0], states[1], 2
+        rate, wind_and_path = states[_ESTIMATED_RATE], states[_ESTIMATED_WIND]
+        state = _ESTIMATES
         alpha = theta - wind_and_path
     if law.leans:
         return lean_demand(law, theta, rate, path, wind_and_path, limit)
     demand = law.attitude * theta + law.attitude_rate * rate
     demand += law.flight_path_angle * path + law.angle_of_attack * alpha
-    demand += law.drift_rate * measured[5] + law.drift * measured[6]
-    demand += law.acceleration * measured[7]
+    demand += law.drift_rate * measured[_DRIFT_RATE] + law.drift * measured[_DRIFT]
+    demand += law.acceleration * measured[_ACCELERATION]
     return demand + law.first_state * states[state] if law.first_state != 0.0 else demand
 
 
@@ -113,8 +124,8 @@ def lean_demand(
     With a known rate limit the feedback is bounded so that it can be reversed in time, and u so
     that z stays recoverable with the fraction `law.reach` of the limit if the wind stops.
     """
-    wind = wind - path
-    size = max(abs(wind) - law.dead_band, 0.0)
+    wind = wind - path  # the wind angle [rad]
+    size = max(abs(wind) - law.dead_band, 0.0)  # that is felt
     wind_term = law.wind * (-size if wind < 0.0 else size)
     fast = law.fast_attitude * theta + law.fast_rate * rate + law.fast_path * path
     slow = law.slow_attitude * theta + law.slow_rate * rate + law.slow_path * path
@@ -217,25 +228,27 @@ def next_mode(engage: float, release: float, demand: float, mode: float) -> floa
 
 
 @kernel
-def slow_edges(fast: Any, ratio: Any) -> Any:
+def slow_edges(fast: Real, ratio: Real) -> tuple[Real, Real]:
     """Return both edges of the recoverable set, bounds of the slow coordinate for a fast one.
 
     `fast`, `ratio`: fast coordinate x in [-1, 1], and ratio r of the slow to the fast pole, numbers
     or arrays. All coordinates are over the largest recoverable one. The edges are the paths that
-    reach equilibrium with one change of the limit's sign: 1 - 2 ((1 - x)/2)^r, which is the lower
-    one, and its mirror image.
+    reach equilibrium with one change of the limit's sign: 1 - 2 ((1 - x)/2)^r, the lower one and
+    first result, and its mirror image.
     """
     return 1.0 - 2.0 * ((1.0 - fast) / 2.0) ** ratio, 2.0 * ((1.0 + fast) / 2.0) ** ratio - 1.0
 
 
 @kernel
-def minimum_reaches(fast: Any, slow: Any, ratio: Any, out: Any, first: int, last: int) -> None:
+def minimum_reaches(
+    fast: FloatArray, slow: FloatArray, ratio: FloatArray, out: FloatArray, first: int, last: int
+) -> None:
     """Write the smallest reach with which two unstable coordinates are recoverable, ``out (n,)``.
 
     The reach is the largest coordinate of a mode that the deflection limit brings back to zero;
     with the smallest, the pair lies on the edge of the recoverable set. `fast`, `slow`, `ratio`:
-    coordinates, and the ratio of the slow to the fast pole, ``(n,)`` each. Cases from `first` up to
-    `last` are computed.
+    coordinates, in the unit of the reach, and the ratio of the slow to the fast pole, ``(n,)``
+    each. Cases from `first` up to `last` are computed.
     """
     for case in range(first, last):
         z, w = fast[case], slow[case]
@@ -256,7 +269,7 @@ def _recoverable_fraction(z: float, w: float, power: float) -> float:
     pole. The set ends at z = 2 ((1 + w)/2)^r - 1. The margin above that edge is concave in the
     fraction and positive at zero, so that Newton's steps from beyond its zero converge from above.
     """
-    fraction = 1.0
+    fraction = 1.0  # of (z, w)
     for _ in range(_MAX_REACH_ITERATIONS):
         base = 0.5 * (1.0 + fraction * w)
         power_term = base ** (power - 1.0) if base > 0.0 else 0.0

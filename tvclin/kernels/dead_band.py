@@ -1,14 +1,18 @@
 """Exit of the dead band of a wind, from the curves of trim and demand over its steps.
 
 Of each step are known trim at begin, middle and end, which is the parabola of these, and the demand
-with its slopes at both ends, which is Hermite's cubic. The dead band is left at a new maximum of
-trim: between the last one short of K times the demand, and the next.
+with its slopes at both ends, which is Hermite's cubic. The exit is at a new maximum of trim:
+between the last one short of K times the demand, and the next.
 """
 
 import math
-from typing import Any
 
+from tvclin.base.arrays import FloatArray
 from tvclin.kernels.source import allocation_free, kernel
+
+Curves = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
+"""Of one case over S steps: trim and demand [rad] at begin, middle and end, ``(S, 3)`` each, slopes
+of the demand [rad/s] at begin and end, ``(S, 2)``, and lengths of the steps [s], ``(S,)``."""
 
 PLAIN, COMPILED = 1.5e-6, 7e-9
 """Seconds per step, in plain Python and as machine code."""
@@ -24,22 +28,22 @@ _MAX_ITERATIONS = 200
 
 @kernel
 def dead_band_exits(
-    lengths: Any,
-    trim: Any,
-    demand: Any,
-    slopes: Any,
-    signs: Any,
+    lengths: FloatArray,
+    trim: FloatArray,
+    demand: FloatArray,
+    slopes: FloatArray,
+    signs: FloatArray,
     dead_band: float,
-    limits: Any,
-    positions: Any,
+    limits: FloatArray,
+    positions: FloatArray,
     first: int,
     last: int,
 ) -> None:
-    """Write the demand where the dead band is left, and its position in steps, ``(n,)`` each.
+    """Write the demand at the exit of the dead band, and its position in steps, ``(n,)`` each.
 
-    The demand is the constant deflection that suffices from then on; the dead band is left at a new
-    maximum of trim that is as large as K times the demand. The position (2.5: middle of the third
-    step) is negative, and the limit zero, where trim stays within the dead band.
+    The demand is the constant deflection that suffices from then on; the exit is at a new maximum
+    of trim that is as large as K times the demand. The position (2.5: middle of the third step) is
+    negative, and the limit zero, where trim stays within the dead band.
 
     Parameters
     ----------
@@ -71,6 +75,7 @@ def dead_band_exits(
             limits[case], positions[case] = 0.0, -1.0
             continue
         short = max(short, 0)
+        # positions in steps, between which the exit is
         low, high = 0.5 * (short % 3) + short // 3, 0.5 * (following % 3) + following // 3
         if high > low:
             high *= _BEFORE  # of a jump at the end of a step, the value before
@@ -82,7 +87,7 @@ def dead_band_exits(
 
 
 @allocation_free
-def _demand_at(curves: Any, position: float) -> float:
+def _demand_at(curves: Curves, position: float) -> float:
     """Return the demand [rad] at a position in steps (2.5: middle of the third step).
 
     The demand is the deflection that suffices if constant from then on; between begin and end of a
@@ -91,6 +96,7 @@ def _demand_at(curves: Any, position: float) -> float:
     """
     _, demand, slopes, lengths = curves
     step = min(int(position), lengths.shape[0] - 1)
+    # the fraction u of the step, and the demand at begin a and end b, with its slopes s and e by u
     u, a, b = position - step, demand[step, 0], demand[step, 2]
     s, e = lengths[step] * slopes[step, 0], lengths[step] * slopes[step, 1]
     quadratic, cubic = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
@@ -98,14 +104,15 @@ def _demand_at(curves: Any, position: float) -> float:
 
 
 @allocation_free
-def _excess(curves: Any, sign: float, dead_band: float, floor: float, position: float) -> float:
+def _excess(curves: Curves, sign: float, dead_band: float, floor: float, position: float) -> float:
     """Return trim, at least `floor`, minus K times the demand [rad], at a position in steps.
 
     Trim is the parabola of its values at begin, middle and end of the step. `curves`: trim, demand,
     its slopes, and lengths of the steps. `sign`: of the largest trim, which counts as positive.
-    `dead_band`: K. `floor`: [rad].
+    `dead_band`: K. `floor`: [rad]. `position`: 2.5 is the middle of the third step.
     """
-    trim = curves[0]
+    trim, _, _, _ = curves
+    # the fraction u of the step, and trim at its begin a, middle b and end c
     step = min(int(position), trim.shape[0] - 1)
     u, a, b, c = position - step, trim[step, 0], trim[step, 1], trim[step, 2]
     height = sign * (a + u * (4.0 * b - 3.0 * a - c + u * 2.0 * (a - 2.0 * b + c)))
@@ -114,7 +121,7 @@ def _excess(curves: Any, sign: float, dead_band: float, floor: float, position: 
 
 @allocation_free
 def _exit(
-    curves: Any, sign: float, dead_band: float, floor: float, low: float, high: float
+    curves: Curves, sign: float, dead_band: float, floor: float, low: float, high: float
 ) -> float:
     """Return the position in steps at which the excess rises through zero, `high` if it does not.
 
@@ -123,6 +130,7 @@ def _exit(
     counts [rad]. `low`, `high`: positions between which the exit is sought. By Chandrupatla's
     method: inverse quadratic interpolation where it is safe, else bisection.
     """
+    # x1, x2: ends of the bracket; x3: the point before; f1, f2, f3: excess at these
     f1 = _excess(curves, sign, dead_band, floor, low)
     f2 = _excess(curves, sign, dead_band, floor, high)
     if not f1 < 0.0 < f2:

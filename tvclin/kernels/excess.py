@@ -9,26 +9,32 @@ The driver d is f or g, and the demand is the deflection that, held from t on, m
 The excess e = d - K D follows e' = p e + h with h = d' - p d + K p g. So between two changes of
 sign of h it has one zero at most.
 
-Times u are local to segment i, in which the wind is a sum of terms c u^k e^(lambda u). The filter
-of trim is x'' + b1 x' + q x = f and y = x'; with q = 0 it is the lag y' + b1 y = f.
+Times u are local to segment i (or piece i), from breakpoint i to the next, in which the wind is a
+sum of terms c u^k e^(lambda u). The filter of trim is x'' + b1 x' + q x = f and y = x'; with q = 0
+it is the lag y' + b1 y = f.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from tvclin.base.arrays import AnyArray, FloatArray
 from tvclin.kernels.source import allocation_free
 
 _NEGLIGIBLE_TERM = 1e-18
 """Term of a sum, relative to it, that is below its rounding."""
 _SMALL_ARGUMENT, _SMALL_ORDERS, _ORDERS = 0.25, 13, 19
-"""Additional orders at which the downward recursion of moments starts: for arguments up to the
-first, and up to one."""
+"""Additional orders at which the downward recursion of moments starts: `_SMALL_ORDERS` for
+arguments up to `_SMALL_ARGUMENT`, `_ORDERS` up to one."""
+_MAX_UPWARD_ORDERS = 1e3
+"""Bound on the orders of the upward recursion of moments, more than any piece has."""
 DRIVER_SLOPE, EXCESS_FORCING, HEIGHT, EXCESS = map(np.int64, range(4))
 """Functions whose sign changes are located: the driver's slope; h; the driver above a height; the
 excess. They are numpy integers, since a kernel is compiled anew for each constant of Python."""
 WIND_DRIVES, TRIM_DRIVES = np.False_, np.True_
 """Whether trim itself is the driver."""
+REMAINING_INTEGRAL, FILTER_X, FILTER_Y = range(3)
+"""Rows of `Wind.marched`: remaining integral W [s], and the filter's states x [s^2] and y [s]."""
 RELATIVE_ROUNDING = 8.0 * 2.0**-52
 """Relative rounding of a height or a demand, within which an excess is zero. With less, rounding
 alone would make a limit insufficient; with more, limits would lose digits."""
@@ -55,11 +61,11 @@ class Wind(NamedTuple):
     ``(3, n)``. `work`: work array of `advance_filter`, ``(2, degree + 1)``.
     """
 
-    knots: Any
-    coefficients: Any
-    rates: Any
-    marched: Any
-    work: Any
+    knots: FloatArray
+    coefficients: AnyArray
+    rates: AnyArray
+    marched: FloatArray
+    work: AnyArray
 
 
 class ExitLaw(NamedTuple):
@@ -71,24 +77,26 @@ class ExitLaw(NamedTuple):
     wind, is the driver, which is compared with K times the demand.
     """
 
-    p: Any
-    K: Any
-    gain: Any
-    b1: Any
-    q: Any
-    trim_drives: Any
+    p: float
+    K: float
+    gain: float
+    b1: float
+    q: float
+    trim_drives: bool | np.bool_
 
 
 @allocation_free
-def piece_value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
+def piece_value(c: AnyArray, rates: AnyArray, u: float) -> tuple[float, float, float]:
     """Return value, slope and curvature of a piece of a history at the local time u [s].
 
-    The piece is a sum of terms c_rk u^k e^(rate_r u). `c`: coefficients, ``(rates, degree + 1)``.
-    `rates`: [1/s], ``(rates,)``. Complex terms come in conjugate pairs: the real part is taken.
+    The piece is a sum of terms c_rk u^k e^(rate_r u), r and k numbers of rate and power. `c`:
+    coefficients, ``(rates, degree + 1)``. `rates`: [1/s], ``(rates,)``. Complex terms come in
+    conjugate pairs: the real part is taken.
     """
     value, slope, curvature = 0.0, 0.0, 0.0
     for r in range(rates.size):
         rate = rates[r]
+        # the polynomial of this rate, its slope, and half of its curvature
         a = c[r, c.shape[1] - 1]
         first, second = 0.0 * a, 0.0 * a
         for k in range(c.shape[1] - 2, -1, -1):
@@ -108,17 +116,21 @@ def piece_value(c: Any, rates: Any, u: float) -> tuple[float, float, float]:
 
 
 @allocation_free
-def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> Any:
-    """Return the integral [s] of e^(-p v) f(u + v) dv over the remainder of a piece f.
+def piece_integral(c: AnyArray, rates: AnyArray, u: float, remainder: float, p: complex) -> Any:
+    """Return the integral [s] of e^(-p v) f(u + v) dv, v from zero to the end of a piece f.
 
-    `c`, `rates`: coefficients ``(rates, degree + 1)`` and rates [1/s] of the terms c u^k e^(rate u)
-    of f. `u`: local time at which the remainder begins [s]. `remainder`: its length [s]. `p`: pole
-    [1/s], which may be complex. The moments, integrals of v^k e^(-z v) from 0 to 1, follow from
-    each other: upwards for k below ``|z|``, downwards from an order high enough to be neglected for
-    the others, which is the direction in which rounding does not grow.
+    It is complex where p or a term is. `c`, `rates`: coefficients ``(rates, degree + 1)`` and rates
+    [1/s] ``(rates,)`` of f, a sum of terms c_rk t^k e^(rate_r t) in the local time t. `u`: local
+    time at which the integral begins [s]. `remainder`: time from there to the end [s]. `p`: [1/s].
+
+    With c' the coefficients about u (`_recentred`), h the remainder and z = (p - rate) h, a rate
+    adds e^(rate u) times the sum over k of c'_k h^(k + 1) M_k. The moments M_k, integrals of
+    s^k e^(-z s) over s from 0 to 1, follow from each other by z M_k = k M_(k-1) - e^(-z): upwards
+    for k below ``|z|``, downwards from an order high enough to be neglected for the others, which
+    is the direction in which rounding does not grow.
     """
     degree = c.shape[1] - 1
-    total = 0.0 * (c[0, 0] * p)
+    total = 0.0 * (c[0, 0] * p)  # zero, of the type of the result
     if remainder == 0.0:
         return total
     for r in range(rates.size):
@@ -127,8 +139,9 @@ def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> An
         size = abs(z)
         decay = np.exp(-z)
         term = 0.0 * (c[r, 0] * decay)
-        upward_orders = min(int(min(size, 1e3)), degree) if size > 1.0 else -1
-        moment, power = term, remainder
+        # the largest k whose moment is computed upwards
+        upward_orders = min(int(min(size, _MAX_UPWARD_ORDERS)), degree) if size > 1.0 else -1
+        moment, power = term, remainder  # M_k and h^(k + 1)
         for k in range(upward_orders + 1):
             moment = (k * moment - decay) / z if k > 0 else (1.0 - decay) / z
             term += _recentred(c, r, k, u) * power * moment
@@ -140,8 +153,8 @@ def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> An
                 while error > _NEGLIGIBLE_TERM:
                     order += 1
                     error *= size / order
-            moment, power = 0.0 * term, remainder ** (degree + 1)
-            for k in range(order, upward_orders + 1, -1):
+            moment, power = 0.0 * term, remainder ** (degree + 1)  # M_order is neglected
+            for k in range(order, upward_orders + 1, -1):  # M_(k-1) from M_k
                 moment = (z * moment + decay) * (1.0 / k)
                 if k <= degree + 1:
                     term += _recentred(c, r, k - 1, u) * power * moment
@@ -153,11 +166,12 @@ def piece_integral(c: Any, rates: Any, u: float, remainder: float, p: Any) -> An
 
 
 @allocation_free
-def _recentred(c: Any, r: int, k: int, u: float) -> Any:
+def _recentred(c: AnyArray, r: int, k: int, u: float) -> Any:
     """Return the coefficient of (v - u)^k of the polynomial number r of a piece, about v = u [s].
 
-    `c`: coefficients of the piece's terms v^k e^(rate_r v), ``(rates, degree + 1)``. It is the sum
-    over j of binomial(j, k) u^(j - k) c_rj. The caller has the factor e^(rate_r u).
+    It is the sum over j from k on of binomial(j, k) u^(j - k) c_rj. `c`: coefficients of the
+    piece's terms c_rj v^j e^(rate_r v) in the local time v, ``(rates, degree + 1)``. The caller has
+    the factor e^(rate_r u).
     """
     degree = c.shape[1] - 1
     if u == 0.0 or k == degree:
@@ -174,23 +188,33 @@ def _recentred(c: Any, r: int, k: int, u: float) -> Any:
 
 @allocation_free
 def advance_filter(
-    c: Any, rates: Any, u: float, x: float, y: float, b1: float, q: float, work: Any
+    c: AnyArray,
+    rates: AnyArray,
+    u: float,
+    x: float,
+    y: float,
+    b1: float,
+    q: float,
+    work: AnyArray,
 ) -> tuple[float, float]:
     """Return the state (x, y) of trim's filter, x' = y, y' = f - b1 y - q x, a time u [s] later.
 
-    The wind f is a sum of terms c v^k e^(rate v). `c`, `rates`: coefficients ``(rates, degree +
-    1)`` and rates [1/s]. `x`, `y`: the state at the start, where v = 0. `b1`, `q`: of the filter
-    [1/s, 1/s^2]. `work`: work array ``(2, degree + 1)``, of the type of the coefficients.
+    In the time v since the start the wind f is the sum over r and k of c_rk v^k e^(rate_r v): for
+    each rate a polynomial times an exponential. `c`: coefficients, row r for rate number r, column
+    k for the power k of v, ``(rates, degree + 1)``. `rates`: [1/s], ``(rates,)``. Complex terms
+    come in conjugate pairs: the real part is taken. `x`, `y`: the state at the start [s^2, s]
+    where f is a number. `b1`, `q`: of the filter [1/s, 1/s^2]. `work`: work array, ``(2, degree +
+    1)``, of the type of the coefficients.
 
-    The responses to the impulse and to v^k e^(rate v) are series over a time so short that no rate
-    times it exceeds one; then the time is doubled repeatedly.
+    The responses of x to an impulse and to v^k e^(rate v) are series over a time so short that no
+    rate times it exceeds one (`_impulse_series`); then this time is doubled repeatedly up to u.
     """
     new_x, new_y = 0.0, 0.0
     degree = c.shape[1] - 1
-    slow = max(abs(b1), np.sqrt(q))
+    slow = max(abs(b1), np.sqrt(q))  # rate of the filter [1/s]
     for r in range(rates.size):
         rate = rates[r]
-        present = r == 0
+        present = r == 0  # the first also for the response to the state at the start
         for k in range(degree + 1):
             present = present or c[r, k] != 0.0
         if not present:
@@ -199,7 +223,7 @@ def advance_filter(
         while (slow + abs(rate)) * step > 1.0:
             step *= 0.5
             doublings += 1
-        # impulse response f and its slope g; responses to v^k e^(rate v) in work[1]
+        # impulse response of x and its slope; responses of x to v^k e^(rate v) are in work[1, k]
         f, g = _impulse_series(work, degree, rate, step, b1, q, (slow + abs(rate)) * step)
         for _ in range(doublings):
             growth = np.exp(rate * step)
@@ -226,18 +250,19 @@ def advance_filter(
 
 @allocation_free
 def _impulse_series(
-    work: Any, degree: int, rate: Any, step: float, b1: float, q: float, size: float
+    work: AnyArray, degree: int, rate: complex, step: float, b1: float, q: float, size: float
 ) -> tuple[float, float]:
-    """Return the impulse response f [s] of y'' + b1 y' + q y and its slope g, after a time `step`.
+    """Return impulse response f [s] and its slope g of x'' + b1 x' + q x, after a time `step`.
 
-    By power series in the `step` [s]. The responses to v^k e^(rate v), k up to `degree`, are
-    written to row 1 of `work` ``(2, degree + 1)``; term n of number k follows from those of number
-    k and k - 1 before. `rate`: [1/s]. `b1`, `q`: [1/s, 1/s^2]. `size`: bound of all rates times the
-    step, at most one.
+    By power series in the `step` [s]. Responses of x after the step to the inputs v^k e^(rate v), v
+    being the time and k up to `degree`, are written to row 1 of `work` ``(2, degree + 1)``. Row 0
+    has the last term of each: term n of power k is (rate T_k + k T_(k-1)) step/n with the terms
+    n - 1, T; of power zero f's term takes the place of k T_(k-1). `rate`: [1/s]. `b1`, `q`: [1/s,
+    1/s^2]. `size`: bound of all rates times the step, at most one, by which terms are bounded.
     """
     for k in range(degree + 1):
         work[0, k], work[1, k] = 0.0, 0.0
-    f, g, term_f, term_g = 0.0, 1.0, 0.0, 1.0
+    f, g, term_f, term_g = 0.0, 1.0, 0.0, 1.0  # sums, and terms number n
     n, error = 0, 1.0  # number of the term, and its bound
     while error > _NEGLIGIBLE_TERM or n < degree + 3:
         n += 1
@@ -257,19 +282,21 @@ def _impulse_series(
 def integrate_wind(wind: Wind, law: ExitLaw) -> None:
     """Write the remaining integral and the filter's state at each breakpoint of a wind f.
 
-    Row 0 of `wind.marched` becomes W, the integral of e^(-p r) f(t + r) dr over all time r after
-    each breakpoint t: backwards from zero, W_i = the integral over piece i + e^(-p width) W_(i+1).
-    Rows 1 and 2 become the state x and y = x' of trim's filter x'' + b1 x' + q x = f, forwards.
+    Row `REMAINING_INTEGRAL` of `wind.marched` becomes W [s], the integral of e^(-p r) f(t + r) dr
+    over all time r after each breakpoint t: backwards from zero, W_i = the integral over piece i +
+    e^(-p width) W_(i+1). Rows `FILTER_X` and `FILTER_Y` become the state x [s^2] and y = x' [s] of
+    trim's filter x'' + b1 x' + q x = f, forwards from zero.
     `wind`: breakpoints, and pieces: coefficients c and rates of terms c u^k e^(rate u); complex
     ones come in conjugate pairs, so that the real part is the integral. `law`: p, b1 and q.
     """
     knots, c, rates, marched, _ = wind
     p, last = law.p, knots.size - 1
-    marched[0, last] = 0.0
+    marched[REMAINING_INTEGRAL, last] = 0.0
     for i in range(last - 1, -1, -1):
         width = knots[i + 1] - knots[i]
-        later = np.exp(-p * width) * marched[0, i + 1]
-        marched[0, i] = piece_integral(c[i], rates, 0.0, width, p).real + later
+        later = np.exp(-p * width) * marched[REMAINING_INTEGRAL, i + 1]
+        integral = piece_integral(c[i], rates, 0.0, width, p).real
+        marched[REMAINING_INTEGRAL, i] = integral + later
     integrate_filter(wind, law)
 
 
@@ -279,18 +306,17 @@ def integrate_filter(wind: Wind, law: ExitLaw) -> None:
 
     The filter is the effect of drift on trim, x'' + b1 x' + q x = f and y = x': trim is f + gain y,
     times -B, trim deflection per angle of attack. Without drift, where `law.gain` = b2 - b1 is
-    zero, the states are zero. They become rows 1 and 2 of `wind.marched`, ``(3, n)``, whose row 0
-    is the remaining integral.
+    zero, the states are zero. They become rows `FILTER_X` [s^2] and `FILTER_Y` [s] of
+    `wind.marched`, ``(3, n)``.
     """
     knots, c, rates, marched, work = wind
     gain, b1, q = law.gain, law.b1, law.q
-    marched[1, 0], marched[2, 0] = 0.0, 0.0
+    x, y = 0.0, 0.0
+    marched[FILTER_X, 0], marched[FILTER_Y, 0] = x, y
     for i in range(knots.size - 1):
-        x, y = 0.0, 0.0
         if gain != 0.0:
-            width = knots[i + 1] - knots[i]
-            x, y = advance_filter(c[i], rates, width, marched[1, i], marched[2, i], b1, q, work)
-        marched[1, i + 1], marched[2, i + 1] = x, y
+            x, y = advance_filter(c[i], rates, knots[i + 1] - knots[i], x, y, b1, q, work)
+        marched[FILTER_X, i + 1], marched[FILTER_Y, i + 1] = x, y
 
 
 @allocation_free
@@ -317,19 +343,20 @@ def cell_count(wind: Wind, law: ExitLaw, i: int) -> int:
     """
     knots, c, rates, _, _ = wind
     gain, b1, q = law.gain, law.b1, law.q
-    fastest = 0.0
+    fastest = 0.0  # [1/s]
     for r in range(rates.size):
         for k in range(c.shape[2]):
             if c[i, r, k] != 0.0:
                 fastest = max(fastest, _CELLS_PER_RATE * abs(rates[r]))
     if gain != 0.0 and q != 0.0:
         fastest = max(fastest, abs(b1), np.sqrt(q))
-    from_degree = _CELLS_PER_RATE * (c.shape[2] - 2) if c.shape[2] > 2 else 0.0
+    degree = c.shape[2] - 1  # highest power k
+    from_degree = _CELLS_PER_RATE * (degree - 1) if degree > 1 else 0.0
     return 1 + int(min(fastest * (knots[i + 1] - knots[i]) + from_degree, _MAX_CELLS))
 
 
 @allocation_free
-def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
+def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: FloatArray) -> int:
     """Return the number of intervals of segment i of a wind in which the driver is monotone.
 
     The driver, which is compared with K times the demand, is trim where `law.trim_drives`, else the
@@ -345,7 +372,7 @@ def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
     for cell in range(cells):
         a, b = width * cell / cells, width * (cell + 1) / cells
         turns, first, second = sign_changes(DRIVER_SLOPE, wind, law, i, a, b)
-        if turns > 0:  # times at which the slope changes its sign
+        if turns > 0:  # number of sign changes of the slope, and their times
             ends[count + 1] = first
         if turns > 1:
             ends[count + 2] = second
@@ -358,20 +385,24 @@ def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: Any) -> int:
 def filter_state(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float]:
     """Return the state (x, y) of trim's filter at the local time u [s] of segment i of a wind f.
 
-    `law`: the filter, x'' + b1 x' + q x = f with y = x'; without its term in trim (`law.gain` zero)
-    the state is zero. `wind`: with the states at its breakpoints, rows 1 and 2 of `marched`.
+    `law`: the filter, x'' + b1 x' + q x = f with y = x', x in s^2 and y in s; without its term in
+    trim (`law.gain` zero) the state is zero. `wind`: with the states at its breakpoints, rows
+    `FILTER_X` and `FILTER_Y` of `marched`.
     """
     knots, c, rates, marched, work = wind
     gain, b1, q = law.gain, law.b1, law.q
+    x, y = marched[FILTER_X, i], marched[FILTER_Y, i]
     if gain == 0.0 or u == 0.0:
-        return marched[1, i], marched[2, i]
+        return x, y
     if u == knots[i + 1] - knots[i]:
-        return marched[1, i + 1], marched[2, i + 1]
-    return advance_filter(c[i], rates, u, marched[1, i], marched[2, i], b1, q, work)
+        return marched[FILTER_X, i + 1], marched[FILTER_Y, i + 1]
+    return advance_filter(c[i], rates, u, x, y, b1, q, work)
 
 
 @allocation_free
-def _trim(law: ExitLaw, wind_terms: Any, x: float, y: float) -> tuple[float, float, float]:
+def _trim(
+    law: ExitLaw, wind_terms: tuple[float, float, float], x: float, y: float
+) -> tuple[float, float, float]:
     """Return g = f + gain y, its slope and curvature [1, 1/s, 1/s^2], for a wind f of unit peak.
 
     Trim with drift is -B g, with B = trim deflection per angle of attack; the minus, since a wind
@@ -419,20 +450,20 @@ def _demand(wind: Wind, law: ExitLaw, i: int, u: float, x: float, y: float) -> f
     It is the constant deflection, over -B (trim deflection per angle of attack), that from then on
     satisfies eq (4b) of the report; infinite where the filter y'' + b1 y' + q y of trim grows as
     fast as the mode, -b1/2 + sqrt(b1^2/4 - q) >= p. `wind`: with its remaining integrals at
-    breakpoints, row 0 of `marched`. `law`: p, b1 and q.
+    breakpoints, row `REMAINING_INTEGRAL` of `marched`. `law`: p, gain, b1 and q.
     """
     knots, c, rates, marched, _ = wind
     gain, b1, q = law.gain, law.b1, law.q
     width = knots[i + 1] - knots[i] if i < knots.size - 1 else 0.0
     if u == 0.0:
-        integral = marched[0, i]
+        integral = marched[REMAINING_INTEGRAL, i]
     elif u == width:
-        integral = marched[0, i + 1]
+        integral = marched[REMAINING_INTEGRAL, i + 1]
     else:
         remainder = width - u
         integral = (
             piece_integral(c[i], rates, u, remainder, law.p).real
-            + np.exp(-law.p * remainder) * marched[0, i + 1]
+            + np.exp(-law.p * remainder) * marched[REMAINING_INTEGRAL, i + 1]
         )
     if gain != 0.0 and -0.5 * b1 + np.sqrt(max(0.25 * b1 * b1 - q, 0.0)) >= law.p:
         return np.inf
@@ -440,15 +471,15 @@ def _demand(wind: Wind, law: ExitLaw, i: int, u: float, x: float, y: float) -> f
 
 
 @allocation_free
-def remaining_integral(wind: Wind, i: int, u: float, p: Any) -> Any:
+def remaining_integral(wind: Wind, i: int, u: float, p: complex) -> Any:
     """Return the integral [s] of e^(-p r) f(t + r) dr over all the wind f after a time t.
 
     `i`, `u`: segment of the wind in which t is, and time since its begin [s]. `p`: pole [1/s],
-    which may be complex. The segments after t are added from the last one on, each discounted by
-    e^(-p width).
+    which may be complex, as is the result then. The segments after t are added from the last one
+    on, each discounted by e^(-p width).
     """
     knots, c, rates, _, _ = wind
-    total = 0.0 * (p * c[0, 0, 0])
+    total = 0.0 * (p * c[0, 0, 0])  # zero, of the type of the result
     for j in range(knots.size - 2, i, -1):
         width = knots[j + 1] - knots[j]
         total = piece_integral(c[j], rates, 0.0, width, p) + np.exp(-p * width) * total
@@ -457,7 +488,7 @@ def remaining_integral(wind: Wind, i: int, u: float, p: Any) -> Any:
 
 
 @allocation_free
-def demand_of_integral(law: ExitLaw, p: Any, integral: Any, x: float, y: float) -> Any:
+def demand_of_integral(law: ExitLaw, p: complex, integral: complex, x: float, y: float) -> Any:
     """Return the demand D of a pole p, possibly complex, from the wind's integral and filter state.
 
     D is the constant deflection, over -B (trim deflection per angle of attack), that balances the
@@ -481,9 +512,9 @@ def evaluate(
 
     Of segment i of a wind f, all over its peak: g is trim over -B (trim deflection per angle of
     attack), the driver d is g or f, and the demand D the constant deflection over -B that suffices
-    from then on. `kind`: DRIVER_SLOPE is d', EXCESS_FORCING
-    h = d' - p d + K p g, HEIGHT d - floor, and EXCESS e = max(d, floor) - K D, with D' = p (D - g)
-    and D'' = p (D' - g'), so that e' = p e + h above the floor. The first two have no curvature:
+    from then on. `kind`: DRIVER_SLOPE is d', EXCESS_FORCING h = d' - p d + K p g, HEIGHT d - floor,
+    and EXCESS e = max(d, floor) - K D, with D' = p (D - g) and D'' = p (D' - g'), so that e' = p e
+    + h above the floor. `floor`: without effect on the first two, which have no curvature either:
     their roots are found by Newton's steps. `law`: p, K, the filter of trim, and which is the
     driver.
     """
@@ -517,6 +548,7 @@ def sign_changes(
     `a`, `b`: ends of the cell, local times [s], within which the function's curvature changes its
     sign once at most. With fewer than two sign changes the remaining times are ends of the cell.
     """
+    # values and slopes at both ends
     at_a, slope_a, _ = evaluate(kind, 0.0, wind, law, i, a)
     at_b, slope_b, _ = evaluate(kind, 0.0, wind, law, i, b)
     if at_a * at_b < 0.0:

@@ -1,7 +1,9 @@
 """Arrays of a batch of flights: what the kernels of `flights` read, and what they change.
 
-A step of a flight is divided into one or two intervals; the states y are those of the vehicle and
-then those of the nozzle. J of an interval maps [y, command, wind polynomial] to y at its end.
+A step of a flight, from one sample of its law to the next, is divided into one or two intervals
+where a delayed command arrives. The N states y are the n of the vehicle and then those of the
+nozzle: its deflection [rad] and, of second order, its rate [rad/s]. J of an interval maps [y,
+command, wind polynomial] to y at its end; the wind is a polynomial of `terms` coefficients.
 """
 
 from typing import Any, NamedTuple
@@ -13,8 +15,13 @@ UNDECIDED, SURVIVED, LOST = range(3)
 MEASURED = 8
 """Number of measurements of a law."""
 PEAKS = 6
-"""Number of peaks: attitude, its rate, deflection, its rate, angle of attack; samples at the
-limit."""
+"""Number of peaks of a flight: attitude, its rate, deflection, its rate, angle of attack, and, not
+a peak, the number of samples at the deflection limit."""
+PEAK_ATTITUDE, PEAK_ATTITUDE_RATE, PEAK_DEFLECTION, PEAK_DEFLECTION_RATE = range(4)
+PEAK_ANGLE_OF_ATTACK, SAMPLES_AT_LIMIT = 4, 5
+"""Index of each peak."""
+SENSED_RATE, SENSED_ALPHA, SENSED_DEFLECTION = 1, 3, 4
+"""Index of attitude rate, angle of attack and deflection in the sensed values of a flight."""
 NEVER = 1 << 60
 """Number of samples of a flight that ends when its outcome is decided."""
 
@@ -75,8 +82,8 @@ class Laws(NamedTuple):
     """Laws, with their states and filters.
 
     `numbers`: a sequence of `LawNumbers`, or an array with their fields. `memory`: next states of a
-    law with its filters: rows on these states and on the sensed values, ``(l, s, s + 9)``, of the l
-    indices in `Cases.memory`. `input_rows`, `command_rows`: with filters, rows of the law's
+    law with its filters: rows on these s states and on the sensed values, ``(l, s, s + 9)``, of the
+    l indices in `Cases.memory`. `input_rows`, `command_rows`: with filters, rows of the law's
     inputs and of the command to the limiter, ``(l, 8, s + 9)`` and ``(l, s + 9)``; empty without
     filters. `noise`: of the measured attitude rate [rad/s], ``(sequences, samples)``.
     """

@@ -19,7 +19,23 @@ import math
 
 from tvclin.base.arrays import FloatArray
 from tvclin.kernels.control_laws import law_demand, next_mode, slow_edges
-from tvclin.kernels.flight_arrays import LOST, MEASURED, NEVER, SURVIVED, UNDECIDED, Flights
+from tvclin.kernels.flight_arrays import (
+    LOST,
+    MEASURED,
+    NEVER,
+    PEAK_ANGLE_OF_ATTACK,
+    PEAK_ATTITUDE,
+    PEAK_ATTITUDE_RATE,
+    PEAK_DEFLECTION,
+    PEAK_DEFLECTION_RATE,
+    SAMPLES_AT_LIMIT,
+    SENSED_ALPHA,
+    SENSED_DEFLECTION,
+    SENSED_RATE,
+    SURVIVED,
+    UNDECIDED,
+    Flights,
+)
 from tvclin.kernels.source import allocation_free, inlined
 
 _SERIES_TERMS, _MAX_SERIES_ARGUMENT = 24, 2.0
@@ -38,7 +54,7 @@ JUDGED_SAMPLES = 8
 def expand_wind(f: Flights, i: int, now: float) -> None:
     """Write the polynomial of flight i's wind about the time `now` [s], in its current piece.
 
-    `f`: batch of flights, whose `now.here` it is written to.
+    `f`: batch of flights, whose `now.here`, ``(m, terms)``, it is written to, lowest power first.
     """
     here, w, j = f.now.here[i], f.cases.wind[i], f.now.piece[i]
     expand_piece(f.winds.pieces, f.winds.knots, w, j, now, here)
@@ -100,8 +116,9 @@ def add_gust_response(f: Flights, i: int, knot: float, time: float) -> None:
     part of length t are x_(k+1) = (A x_k t + gust w_k t^(k+1))/(k + 1), x_0 being the response
     before.
     """
-    p, n, w = f.cases.vehicle[i], f.vehicles.A.shape[1], f.cases.wind[i]
-    difference, j = f.now.here[i], f.now.piece[i] + 1
+    p, w = f.cases.vehicle[i], f.cases.wind[i]
+    A, gust, n = f.vehicles.A[p], f.vehicles.gust[p], f.vehicles.A.shape[1]
+    difference, j = f.now.here[i], f.now.piece[i] + 1  # j: the next piece
     previous, term, response = f.now.series[i, 0], f.now.series[i, 1], f.now.series[i, 2]
     expand_piece(f.winds.pieces, f.winds.knots, w, j - 1, knot, difference)
     for r in range(difference.size):
@@ -114,15 +131,7 @@ def add_gust_response(f: Flights, i: int, knot: float, time: float) -> None:
             shift_polynomial(difference, time / parts)
         for r in range(n):
             term[r] = response[r]
-        add_series(
-            f.vehicles.A[p],
-            f.vehicles.gust[p],
-            difference,
-            time / parts,
-            previous,
-            term,
-            response,
-        )
+        add_series(A, gust, difference, time / parts, previous, term, response)
     for r in range(n):
         f.now.y[i, r] += response[r]
 
@@ -139,11 +148,11 @@ def add_series(
 ) -> None:
     """Add to the state `response` ``(n,)`` its change over an interval, as a power series.
 
-    Of x' = A x + gust w. `A`, `gust`: ``(n, n)`` and ``(n,)``. `difference`: w, a polynomial,
-    lowest power first. `length`: of the interval [s]. `previous`: work array ``(n,)``. `term`: the
-    first term, which is the state at the start; overwritten.
+    Of x' = A x + gust w. `A`, `gust`: ``(n, n)`` and ``(n,)``. `difference`: w, a polynomial in the
+    time since the start, lowest power first. `length`: of the interval [s]. `previous`: work array
+    ``(n,)``. `term`: the first term, which is the state at the start; overwritten.
     """
-    n, power = response.size, length
+    n, power = response.size, length  # power: length^(k + 1)
     for k in range(_SERIES_TERMS):
         forcing = power * difference[k] if k < difference.size else 0.0
         for r in range(n):
@@ -161,7 +170,7 @@ def add_series(
 def keep_peak(peaks: FloatArray, row: int, value: float) -> None:
     """Replace the peak number `row` of a flight by the size of a value, if that is larger.
 
-    `peaks`: of attitude, its rate, deflection, its rate, and angle of attack, in this order.
+    `peaks`: of a flight, ``(6,)``. `row`: index, as `PEAK_DEFLECTION`. `value`: [rad] or [rad/s].
     """
     peaks[row] = max(peaks[row], abs(value))
 
@@ -199,13 +208,14 @@ def is_unlimited(f: Flights, i: int, interval: int, c: float) -> bool:
     If so, its peaks of deflection and rate are kept. `interval`: index of the interval of a sample.
     `c`: command [rad], constant in it. The nozzle's deflection s [rad] and, of second order, its
     rate v [rad/s] do not depend on the vehicle: they are states number n and n + 1, behind the
-    vehicle's, and have these rows in the transition matrix J of a substep.
+    vehicle's n. These are their rows and columns in the transition matrix J of a substep, whose
+    column behind all states is the command's.
     """
     p, n, size = f.cases.vehicle[i], f.vehicles.A.shape[1], f.now.y.shape[1]
     J, s, v, next_v = f.steps.fine[p, interval], f.now.y[i, n], 0.0, 0.0
-    if size > n + 1:
+    if size > n + 1:  # of second order
         v = f.now.y[i, n + 1]
-    largest, largest_change = 0.0, 0.0
+    largest, largest_change = 0.0, 0.0  # deflection, and its change in a substep [rad]
     for _ in range(f.steps.substeps[p, interval]):
         next_s = J[n, n] * s + J[n, size] * c
         if size > n + 1:
@@ -215,8 +225,9 @@ def is_unlimited(f: Flights, i: int, interval: int, c: float) -> bool:
             return False
         largest, largest_change = max(largest, abs(next_s)), max(largest_change, abs(next_s - s))
         s, v = next_s, next_v
-    keep_peak(f.now.peaks[i], 2, min(largest, f.cases.limit[i]))
-    keep_peak(f.now.peaks[i], 3, largest_change / f.steps.short[p, interval])
+    peaks, duration = f.now.peaks[i], f.steps.short[p, interval]  # of a substep [s]
+    keep_peak(peaks, PEAK_DEFLECTION, min(largest, f.cases.limit[i]))
+    keep_peak(peaks, PEAK_DEFLECTION_RATE, largest_change / duration)
     return True
 
 
@@ -236,14 +247,15 @@ def move_substep(f: Flights, i: int, interval: int, unlimited: bool, c: float) -
         return
     free_step(f, i, f.steps.fine[p, interval], c)  # that of a substep
     f.now.bounded[i] = limit_nozzle(f, i, interval, c)
+    # deflection before and after: state number n, within the limit
     first, last = min(max(y[n], -limit), limit), min(max(new[n], -limit), limit)
     if f.now.bounded[i]:
         ramp_step(f, i, f.steps.fine[p, interval], f.steps.ramp[p, interval], first, last)
         if f.steps.ramp.shape[3] > 2:  # also columns for the nozzle's rates: engine with inertia
             add_engine_impulses(f, i, f.steps.ramp[p, interval])
     if f.steps.substeps[p, interval] > 1:
-        keep_peak(f.now.peaks[i], 2, last)
-        keep_peak(f.now.peaks[i], 3, (last - first) / f.steps.short[p, interval])
+        keep_peak(f.now.peaks[i], PEAK_DEFLECTION, last)
+        keep_peak(f.now.peaks[i], PEAK_DEFLECTION_RATE, (last - first) / f.steps.short[p, interval])
 
 
 @inlined
@@ -481,12 +493,12 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
         total = f.vehicles.shown[p, r, n] * wind
         for j in range(n):
             total += f.vehicles.shown[p, r, j] * x[j]
-        sensed[r if r < 4 else r + 1] = total  # number 4 is the deflection
-    sensed[4] = min(max(x[n], -f.cases.limit[i]), f.cases.limit[i])
-    keep_peak(peaks, 0, x[0])
-    keep_peak(peaks, 1, x[1])
-    keep_peak(peaks, 4, sensed[3])  # angle of attack
-    after = k - f.cases.ends[i]
+        sensed[r if r < SENSED_DEFLECTION else r + 1] = total
+    sensed[SENSED_DEFLECTION] = min(max(x[n], -f.cases.limit[i]), f.cases.limit[i])
+    keep_peak(peaks, PEAK_ATTITUDE, x[0])
+    keep_peak(peaks, PEAK_ATTITUDE_RATE, x[1])
+    keep_peak(peaks, PEAK_ANGLE_OF_ATTACK, sensed[SENSED_ALPHA])
+    after = k - f.cases.ends[i]  # samples since the end of the wind
     if after > 0 and after % JUDGED_SAMPLES == 0 and f.now.outcome[i] != LOST:
         judge_states(f, i)
     undecided = f.now.outcome[i] == UNDECIDED and after < f.cases.waiting[i]
@@ -494,7 +506,7 @@ def measure_sample(f: Flights, i: int, k: int) -> bool:
         f.now.ended[i] = k
         return False
     if k < f.laws.noise.shape[1]:
-        sensed[1] += f.laws.noise[f.cases.sequence[i], k]
+        sensed[SENSED_RATE] += f.laws.noise[f.cases.sequence[i], k]
     for r in range(MEASURED):
         f.now.measured[i, r] = sensed[r]
     if f.laws.input_rows.shape[0]:
@@ -535,10 +547,10 @@ def row_product(f: Flights, i: int, row: FloatArray) -> float:
 def judge_states(f: Flights, i: int) -> None:
     """Decide the outcome of flight i after its wind, if its states show it.
 
-    Its unstable coordinates z1 and z2, rows of `judges` times the states, are lost outside the
-    recoverable set, ``|z1| < D`` and z2 between the `slow_edges` at z1, where D = reach limit is
-    the largest z1 that the limit brings back. It survives when both have stayed below a fraction of
-    D for long enough, but may yet diverge; vehicles without such a criterion have no reach (NaN).
+    Its unstable coordinates z1 (`fast`) and z2 (`slow`), rows of `judges` times the states, are
+    lost outside the recoverable set, ``|z1| < D`` and z2 between the `slow_edges` at z1, where D =
+    reach limit is the largest z1 that the limit brings back. It survives when both have stayed
+    below a fraction of D for long enough; without such a criterion a vehicle's reach is NaN.
     """
     p = f.cases.vehicle[i]
     reach, ratio = f.vehicles.reach[p] * f.cases.limit[i], f.vehicles.ratio[p]
@@ -555,11 +567,8 @@ def judge_states(f: Flights, i: int) -> None:
     if not recoverable:
         f.now.outcome[i] = LOST
         return
-    f.now.settled[i] = (
-        f.now.settled[i] + JUDGED_SAMPLES
-        if max(abs(fast), abs(slow)) < SETTLED_FRACTION * reach
-        else 0
-    )
+    settled = max(abs(fast), abs(slow)) < SETTLED_FRACTION * reach
+    f.now.settled[i] = f.now.settled[i] + JUDGED_SAMPLES if settled else 0
     if f.now.settled[i] >= f.cases.settling[i]:
         f.now.outcome[i] = SURVIVED
 
@@ -601,7 +610,8 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
     p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
     command = min(max(demand, -limit), limit)
     if abs(command) >= limit:
-        f.now.peaks[i, 5] += 1.0  # number of samples at the limit
+        f.now.peaks[i, SAMPLES_AT_LIMIT] += 1.0
+    # `lengths` are those of a sample, and then of its intervals 0 and 1
     begin = f.cases.start[i] + f.steps.lengths[p, 0] * k
     end = f.cases.start[i] + f.steps.lengths[p, 0] * (k + 1)
     # number of intervals of a sample; length of the buffer of commands; sample of the command
@@ -618,8 +628,9 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
     update_law_states(f, i)
     n = f.vehicles.A.shape[1]
     deflection = min(max(f.now.y[i, n], -limit), limit)
-    keep_peak(f.now.peaks[i], 2, deflection)
-    keep_peak(f.now.peaks[i], 3, (deflection - sensed[4]) / f.steps.lengths[p, 0])
+    keep_peak(f.now.peaks[i], PEAK_DEFLECTION, deflection)
+    rate = (deflection - sensed[SENSED_DEFLECTION]) / f.steps.lengths[p, 0]  # mean of the sample
+    keep_peak(f.now.peaks[i], PEAK_DEFLECTION_RATE, rate)
 
 
 @inlined

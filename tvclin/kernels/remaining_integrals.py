@@ -12,10 +12,9 @@ of the remaining trim g, the demand of `excess` for each mode by itself. Where t
 height during the wind, the control is free from the end of the wind on.
 """
 
-from typing import Any
-
 import numpy as np
 
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.kernels.excess import (
     EXCESS,
     HEIGHT,
@@ -41,11 +40,18 @@ PLAIN, COMPILED = 1e-4, 5e-7
 """Seconds per breakpoint of a case and rate of its wind, in plain Python and as machine code."""
 ONSET_PLAIN, ONSET_COMPILED = 3e-5, 1e-7
 """Seconds per breakpoint, rate and pole of `onset_integrals`, plain and as machine code."""
+_B1, _B2, _Q = range(3)
+"""Columns of the numbers of the filter of trim."""
 
 
 @kernel
 def largest_remaining_integrals(
-    winds: Any, which: Any, poles: Any, out: Any, first: int, last: int
+    winds: tuple[FloatArray, AnyArray, AnyArray],
+    which: IntArray,
+    poles: FloatArray,
+    out: FloatArray,
+    first: int,
+    last: int,
 ) -> None:
     """Write p times the remaining integral of winds of unit peak, at its onset and maximum.
 
@@ -61,8 +67,8 @@ def largest_remaining_integrals(
     for case in range(first, last):
         i = which[case]
         wind = Wind(knots[i], coefficients[i], rates[i], marched, work)
-        # p, K = 1, and no filter: the wind itself is trim, and W its demand
-        law = ExitLaw(poles[case], 1.0, 0.0, 0.0, 0.0, WIND_DRIVES)
+        # no filter: the wind itself is trim, and W its demand
+        law = ExitLaw(poles[case], K=1.0, gain=0.0, b1=0.0, q=0.0, trim_drives=WIND_DRIVES)
         integrate_wind(wind, law)
         largest, time = _largest_demand(wind, law, ends)
         out[case, 0] = demand(wind, law, onset_piece(wind), 0.0)
@@ -70,10 +76,18 @@ def largest_remaining_integrals(
 
 
 @kernel
-def onset_integrals(winds: Any, which: Any, poles: Any, out: Any, first: int, last: int) -> None:
+def onset_integrals(
+    winds: tuple[FloatArray, AnyArray, AnyArray],
+    which: IntArray,
+    poles: AnyArray,
+    out: AnyArray,
+    first: int,
+    last: int,
+) -> None:
     """Write the discounted remaining integrals of winds at their onset to ``out (n, m)``.
 
-    The integrand is e^(-p r) f(t + r) dr, over the wind f from its onset t on. `winds`: knots [s]
+    They are integrals of e^(-p r) f(t + r) dr over the wind f from its onset t on, in s times the
+    unit of f, complex where a pole or a rate is. `winds`: knots [s]
     ``(w, k)``, coefficients ``(w, k, r, degree + 1)`` and rates [1/s] ``(w, r)``. `which`: index
     of the wind of each case, ``(n,)``. `poles`: p [1/s], which may be complex, ``(n, m)``. Cases
     from `first` up to `last` are computed.
@@ -81,14 +95,22 @@ def onset_integrals(winds: Any, which: Any, poles: Any, out: Any, first: int, la
     knots, c, rates = winds
     for case in range(first, last):
         i = which[case]
-        wind = Wind(knots[i], c[i], rates[i], knots, knots)  # the last two are not used
+        # integrals at knots and work array are not used
+        wind = Wind(knots[i], c[i], rates[i], marched=knots, work=knots)
         for k in range(poles.shape[1]):
             out[case, k] = remaining_integral(wind, onset_piece(wind), 0.0, poles[case, k])
 
 
 @kernel
 def demands_at_heights(
-    winds: Any, which: Any, numbers: Any, poles: Any, heights: Any, out: Any, first: int, last: int
+    winds: tuple[FloatArray, AnyArray, AnyArray],
+    which: IntArray,
+    numbers: FloatArray,
+    poles: AnyArray,
+    heights: FloatArray,
+    out: AnyArray,
+    first: int,
+    last: int,
 ) -> None:
     """Write the demands of the modes when trim reaches a height, over B times the wind's peak.
 
@@ -106,9 +128,10 @@ def demands_at_heights(
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         j = which[case]
-        b1, b2, q = numbers[case, 0], numbers[case, 1], numbers[case, 2]
+        b1, b2, q = numbers[case, _B1], numbers[case, _B2], numbers[case, _Q]
         wind = Wind(knots[j], coefficients[j], rates[j], marched, work)
-        law = ExitLaw(1.0, 1.0, b2 - b1, b1, q, TRIM_DRIVES)  # p and K are not used
+        # p and K are not used
+        law = ExitLaw(p=1.0, K=1.0, gain=b2 - b1, b1=b1, q=q, trim_drives=TRIM_DRIVES)
         integrate_filter(wind, law)
         i, u = _height_time(wind, law, heights[case], ends)
         x, y = filter_state(wind, law, i, u)
@@ -118,13 +141,14 @@ def demands_at_heights(
 
 
 @allocation_free
-def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
+def _largest_demand(wind: Wind, law: ExitLaw, ends: FloatArray) -> tuple[float, float]:
     """Return the largest demand of a wind trimmed at once, over its peak, and its time [s].
 
     The demand W is the discounted mean of the remaining wind, and W' = p (W - f): it rises while it
     is above the wind f, so that its maximum is at a knot, or where a rising wind reaches it: where
     f - W, negative before, changes its sign in an interval in which f is monotone. `law`: the pole
-    p, K = 1, and a filter without effect. `ends`: work array of `monotone_intervals`.
+    p, K = 1, a filter without effect, and f as the driver, the first result of `driver`. `ends`:
+    work array of `monotone_intervals`.
     """
     knots = wind.knots
     largest, time = -np.inf, 0.0
@@ -138,6 +162,7 @@ def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
             before = driver(wind, law, i, a)[0] - demand(wind, law, i, a)
             after = top - demand(wind, law, i, b)
             if before < 0.0 < after and top > largest:
+                # EXCESS with K = 1 is f - W, and counts from all heights on
                 u = root(EXCESS, -np.inf, wind, law, i, a, before, b, after)
                 level = demand(wind, law, i, u)
                 if level > largest:
@@ -146,12 +171,12 @@ def _largest_demand(wind: Wind, law: ExitLaw, ends: Any) -> tuple[float, float]:
 
 
 @allocation_free
-def _height_time(wind: Wind, law: ExitLaw, height: float, ends: Any) -> tuple[int, float]:
+def _height_time(wind: Wind, law: ExitLaw, height: float, ends: FloatArray) -> tuple[int, float]:
     """Return piece and local time [s] at which trim first reaches a height with either sign.
 
-    The end of the wind where it never does. `law`: the filter of trim, which is the driver of the
-    monotone intervals. `height`: over B (trim deflection per angle of attack) and the peak of the
-    wind. `ends`: work array.
+    The end of the wind where it never does. `law`: the filter of trim, with `trim_drives` true, so
+    that the first result of `driver` is trim over -B, B being trim deflection per angle of attack,
+    and the wind's peak. `height`: over B and the peak. `ends`: work array of `monotone_intervals`.
     """
     knots = wind.knots
     for i in range(knots.size - 1):

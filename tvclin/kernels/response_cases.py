@@ -6,14 +6,23 @@ Between two knots, with the local time u, the inputs are sums of c(u) e^(r u), a
                               a' + (r - p) a = g c.
 
 Outputs are sums of modes, so they are such sums too: each is one polynomial for each rate, and
-one number for each pole. Cases are independent.
+one number for each pole. Cases are independent. All coefficients are real, or complex where a pole
+or a rate of an input is.
 """
 
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from tvclin.kernels.source import allocation_free, kernel
+
+Histories = tuple[AnyArray, AnyArray, AnyArray]
+"""H histories of an input [rad]: knots [s] ``(H, k)``, and the coefficients c ``(H, k, r, m)`` and
+rates [1/s] ``(H, r)`` of its terms c u^power e^(rate u), power below m, in the time u since a
+knot."""
+PlantArrays = tuple[AnyArray, AnyArray, AnyArray, bool]
+"""P plants of N modes: fields of `Plant` with a first axis for the plants, but for the last."""
 
 NEGLIGIBLE_TERM = 1e-17
 """Term, relative to the largest, that is neglected."""
@@ -22,7 +31,7 @@ PLAIN_SECONDS, PLAIN_SECONDS_PER_TIME = 1e-3, 2e-6
 COMPILED_OVER_PLAIN = 1e-3
 """Ratio of the times of machine code and of plain Python."""
 MARGINAL = 1e-12
-"""Real part of a pole, over the largest pole, below which it is not unstable."""
+"""Real part of a pole over the size of the largest pole, up to which the pole is not unstable."""
 MAX_FORWARD_GROWTH = 1.0
 """Exponent of growth up to which an unstable mode may be integrated forward."""
 MAX_CANCELLATION = 4.0
@@ -37,6 +46,8 @@ MAX_LAG_GROWTH = 20.0
 e^20 has; a faster one keeps its modes although two poles are close."""
 EPSILON, ROUNDINGS, UNDERFLOW_EXPONENT = 2.0**-52, 32.0, 750.0
 """As in `modal.residues`: relative rounding, roundings per term, and exponent of underflow."""
+DEFLECTION, WIND = 0, 1
+"""Index of each input among the gains of a mode and the coefficients of a case."""
 
 
 class Case(NamedTuple):
@@ -44,24 +55,24 @@ class Case(NamedTuple):
 
     From each knot on, an input is a sum of terms c u^k e^(rate u), with the time u since it.
     `knots`: [s], ``(K + 1,)``, the last at infinity. `rates`: [1/s], ``(Q,)``, distinct, the first
-    zero. `forces`: c, by knot, input, rate and power k, ``(K, 2, Q, m)``. `lengths`: numbers of
-    significant powers of both inputs, ``(K, Q)``.
+    zero. `forces`: c, by knot, input (`DEFLECTION`, `WIND`), rate and power k, ``(K, 2, Q, m)``.
+    `lengths`: numbers of significant powers of both inputs, ``(K, Q)``.
     """
 
-    knots: Any
-    rates: Any
-    forces: Any
-    lengths: Any
+    knots: FloatArray
+    rates: AnyArray
+    forces: AnyArray
+    lengths: IntArray
 
 
 @kernel
-def merge_knots(first: Any, second: Any, knots: Any) -> Any:
+def merge_knots(first: AnyArray, second: AnyArray, knots: AnyArray) -> int:
     """Write the knots [s] of both inputs without repetition, then infinity; return their number.
 
-    `first`, `second`: ascending knots of each. `knots`: written, with one element more than
-    counted.
+    `first`, `second`: ascending knots of each input. `knots`: written: ascending; infinity follows
+    the last and is not counted. Its size is that of both and one more.
     """
-    i, j, count = 0, 0, 0
+    i, j, count = 0, 0, 0  # next knot of each input, and number of knots that are written
     while i < first.size or j < second.size:
         if j == second.size or (i < first.size and first[i] <= second[j]):
             time, i = first[i], i + 1
@@ -75,7 +86,7 @@ def merge_knots(first: Any, second: Any, knots: Any) -> Any:
 
 
 @kernel
-def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
+def add_rates(new_rates: AnyArray, rates: AnyArray, used: int) -> int:
     """Append the rates of an input that a case does not have yet; return how many it has then.
 
     `new_rates`: rates of the input's terms c u^k e^(rate u) [1/s]. `rates`: of the case, of
@@ -89,7 +100,7 @@ def add_rates(new_rates: Any, rates: Any, used: Any) -> Any:
 
 
 @kernel
-def rate_index(rate: Any, rates: Any, used: Any) -> Any:
+def rate_index(rate: complex, rates: AnyArray, used: int) -> int:
     """Return the index of `rate` [1/s] among the first `used` of `rates`; `used` if absent."""
     at = 0
     while at < used and rates[at] != rate:
@@ -98,7 +109,9 @@ def rate_index(rate: Any, rates: Any, used: Any) -> Any:
 
 
 @kernel
-def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any) -> None:
+def put_input(
+    case: Case, forces: AnyArray, knots: AnyArray, coefficients: AnyArray, rates: AnyArray
+) -> None:
     """Write the coefficients of an input about the common knots of a case, to `forces`.
 
     `case`: its K + 1 knots and Q rates. `forces`: written: coefficients c of the terms
@@ -107,7 +120,7 @@ def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any
     [1/s], whose knots and rates the case has too; before its first knot it is zero. Where the case
     has a knot between two of the input, its terms are expanded about that knot.
     """
-    piece = -1  # of the input, at the knot of the case
+    piece = -1  # index of the input's last knot that is not after knot i of the case
     for i in range(case.knots.size - 1):
         for q in range(case.rates.size):
             for k in range(forces.shape[2]):
@@ -126,7 +139,7 @@ def put_input(case: Case, forces: Any, knots: Any, coefficients: Any, rates: Any
 
 
 @kernel
-def recentre(terms: Any, rate: Any, u: Any) -> None:
+def recentre(terms: AnyArray, rate: complex, u: float) -> None:
     """Expand a polynomial c(v) times e^(rate v) about the time v = u [s], in place.
 
     `terms`: coefficients of c, lowest power first, ``(m,)``; changed to those of the polynomial in
@@ -159,14 +172,14 @@ def count_terms(case: Case) -> None:
 
 
 @kernel
-def significant_terms(terms: Any, width: Any) -> Any:
+def significant_terms(terms: AnyArray, width: float) -> int:
     """Return the number of terms of a polynomial up to the last significant one.
 
     A term c_k u^k is largest at the end of its span, u = width [s], and is significant if it is
     there above `NEGLIGIBLE_TERM` times the largest one before. `terms`: c, lowest power first; at
     an infinite width all that are not zero are significant.
     """
-    power, largest, count = 1.0, 0.0, 0
+    power, largest, count = 1.0, 0.0, 0  # power: width^k
     for k in range(terms.size):
         if terms[k] != 0.0:
             size = abs(terms[k]) * power
@@ -180,14 +193,15 @@ def significant_terms(terms: Any, width: Any) -> Any:
 class Plant(NamedTuple):
     """Modes z' = p z + g f of a plant, with both inputs f, deflection and wind.
 
-    `poles`: p [1/s], ``(N,)``. `gains`: g, ``(N, 2)``. `outputs`: coefficient of each mode in each
-    output, ``(N, R)``. `less_wind`: whether the wind is subtracted from the last output.
+    `poles`: p [1/s], ``(N,)``. `gains`: g of each mode and input, ``(N, 2)``. `outputs`:
+    coefficient of each mode in each output, ``(N, R)``. `less_wind`: whether the wind is subtracted
+    from the last output, then the angle of attack.
     """
 
-    poles: Any
-    gains: Any
-    outputs: Any
-    less_wind: Any
+    poles: AnyArray
+    gains: AnyArray
+    outputs: AnyArray
+    less_wind: bool
 
 
 class Span(NamedTuple):
@@ -195,104 +209,125 @@ class Span(NamedTuple):
 
     A mode z' = p z + g f is a particular solution, a polynomial in u times e^(rate u) for each rate
     of the input f, and coefficients times e^(p u). Of each mode, ``(N,)``: `backward`, whether it
-    is unstable and integrated from the last knot to the first; `state`, z at the begin of the span;
-    `lead`, `tail` and `excess`, coefficients of e^(p u), of e^(p (u - width)), and of e^(p t) with
-    the time t since the first knot. `bounded`: bounded z at the knots, ``(N, K + 1)``.
+    is unstable and integrated from the last knot to the first; `excess`, coefficient of e^(p t)
+    with the time t since the first knot, the negative residue of such a mode; `state`, z at the
+    begin of the span, of the others; `lead` and `tail`, coefficients of e^(p u) and of
+    e^(p (u - width)). `bounded`: solution z without the excess at the knots, ``(N, K + 1)``.
     `solution`: particular solution of a mode, ``(Q, L)``, lowest power first, and its numbers of
     terms, `sizes` ``(Q,)``. `shares`: sums of these in the outputs, ``(R, Q, L)``, and their
     numbers of terms, `lengths` ``(Q,)``.
     """
 
-    backward: Any
-    excess: Any
-    state: Any
-    lead: Any
-    tail: Any
-    bounded: Any
-    solution: Any
-    sizes: Any
-    shares: Any
-    lengths: Any
+    backward: BoolArray
+    excess: AnyArray
+    state: AnyArray
+    lead: AnyArray
+    tail: AnyArray
+    bounded: AnyArray
+    solution: AnyArray
+    sizes: IntArray
+    shares: AnyArray
+    lengths: IntArray
 
 
 def workspace(
-    kind: Any, plant: tuple[int, int], deflections: tuple[Any, ...], winds: tuple[Any, ...]
+    kind: np.dtype[Any], plant: tuple[int, int], deflections: Histories, winds: Histories
 ) -> tuple[Case, Span]:
-    """Return the arrays for one case, which the kernel overwrites.
+    """Return the arrays of one case and of a span of it, which `respond` overwrites.
 
-    `kind`: type of poles and coefficients, float or complex. `plant`: numbers of modes and of
-    outputs. `deflections`, `winds`: H histories of each input: knots ``(H, n)``, coefficients
-    ``(H, n, r, m)`` and rates ``(H, r)``.
+    They are not initialised, but for `Case.rates`, zeros. Sizes suffice for each of the cases, so
+    that the knots and the rates are those of both inputs together. `kind`: type of poles and
+    coefficients, float or complex. `plant`: numbers of modes and of outputs. `deflections`,
+    `winds`: histories of each input.
     """
-    modes, rows = plant
-    knots = deflections[0].shape[1] + winds[0].shape[1]
-    rates = 1 + deflections[2].shape[1] + winds[2].shape[1]
-    powers = max(deflections[1].shape[3], winds[1].shape[3])
-    length = powers + MAX_ADDED_TERMS + 1
+    modes, outputs = plant
+    deflection_knots, deflection_terms, deflection_rates = deflections
+    wind_knots, wind_terms, wind_rates = winds
+    knots = deflection_knots.shape[1] + wind_knots.shape[1]
+    rates = 1 + deflection_rates.shape[1] + wind_rates.shape[1]  # 1: the rate zero
+    powers = max(deflection_terms.shape[3], wind_terms.shape[3])
+    length = powers + MAX_ADDED_TERMS + 1  # of a power series
     case = Case(
-        np.empty(knots + 1),
-        np.zeros(rates, kind),
-        np.empty((knots, 2, rates, powers), kind),
-        np.empty((knots, rates), np.int64),
+        knots=np.empty(knots + 1),
+        rates=np.zeros(rates, kind),
+        forces=np.empty((knots, 2, rates, powers), kind),
+        lengths=np.empty((knots, rates), np.int64),
     )
     span = Span(
-        np.empty(modes, np.bool_),
-        np.empty(modes, kind),
-        np.empty(modes, kind),
-        np.empty(modes, kind),
-        np.empty(modes, kind),
-        np.empty((modes, knots + 1), kind),
-        np.empty((rates, length), kind),
-        np.empty(rates, np.int64),
-        np.empty((rows, rates, length), kind),
-        np.empty(rates, np.int64),
+        backward=np.empty(modes, np.bool_),
+        excess=np.empty(modes, kind),
+        state=np.empty(modes, kind),
+        lead=np.empty(modes, kind),
+        tail=np.empty(modes, kind),
+        bounded=np.empty((modes, knots + 1), kind),
+        solution=np.empty((rates, length), kind),
+        sizes=np.empty(rates, np.int64),
+        shares=np.empty((outputs, rates, length), kind),
+        lengths=np.empty(rates, np.int64),
     )
     return case, span
 
 
 @kernel
 def respond(
-    times: Any,
-    plants: Any,
-    deflections: Any,
-    winds: Any,
-    which: Any,
-    out: Any,
-    close: Any,
-    memory: Any,
-    first: Any,
-    last: Any,
+    times: FloatArray,
+    plants: PlantArrays,
+    deflections: Histories,
+    winds: Histories,
+    which: IntArray,
+    out: FloatArray,
+    close: BoolArray,
+    memory: tuple[Case, Span],
+    first: int,
+    last: int,
 ) -> None:
     """Write the R outputs of plants at n times, for the cases from `first` up to `last`.
 
-    `times`: [s], ascending, ``(n,)``. `plants`: poles [1/s] ``(P, N)``, gains of deflection and
-    wind ``(P, N, 2)``, outputs of the modes ``(P, N, R)``, and whether the wind is subtracted from
-    the last output. `deflections`, `winds`: H histories of each input, sums of terms c u^k
-    e^(rate u) with the time u since a knot: knots [s] ``(H, k)``, coefficients c ``(H, k, r, m)``
-    and rates [1/s] ``(H, r)``. `which`: indices of plant, deflection and wind of each case,
-    ``(3, cases)``. `out`: written, ``(cases, R, n)``. `close`: written: whether two poles are too
-    close for distinct modes, ``(cases,)``; such a case is skipped. `memory`: arrays of `workspace`,
-    not shared with another thread.
-
     An unstable mode that grows enough is the bounded solution, computed backwards, and its residue
     times e^(p t); a residue below its rounding is zero, so that the mode does not diverge.
+
+    Parameters
+    ----------
+    times : ndarray
+        Times [s], ascending, ``(n,)``.
+    plants : tuple
+        Poles [1/s] ``(P, N)``, gains of deflection and wind ``(P, N, 2)``, outputs of the modes
+        ``(P, N, R)``, and whether the wind is subtracted from the last output.
+    deflections, winds : tuple
+        H histories of each input [rad], sums of terms c u^k e^(rate u) in the time u since a knot:
+        knots [s] ``(H, k)``, coefficients c ``(H, k, r, m)`` and rates [1/s] ``(H, r)``.
+    which : ndarray of int
+        Indices of plant, deflection and wind of each case, ``(3, cases)``.
+    out : ndarray
+        Written: outputs in the unit of the inputs, ``(cases, R, n)``.
+    close : ndarray of bool
+        Written: whether two poles are too close for distinct modes, ``(cases,)``; the outputs of
+        such a case are not.
+    memory : tuple
+        Work arrays of `workspace`, for this thread alone.
+    first, last : int
+        Cases from the first up to the last are computed.
     """
     arrays, span = memory
+    poles, gains, mode_outputs, less_wind = plants
+    deflection_knots, deflection_terms, deflection_rates = deflections
+    wind_knots, wind_terms, wind_rates = winds
     for number in range(first, last):
         p, d, w = which[0, number], which[1, number], which[2, number]
-        plant = Plant(plants[0][p], plants[1][p], plants[2][p], plants[3])
-        count = merge_knots(deflections[0][d], winds[0][w], arrays.knots)
-        horizon = max(times[times.size - 1] - arrays.knots[0], 0.0)
+        plant = Plant(poles[p], gains[p], mode_outputs[p], less_wind)
+        count = merge_knots(deflection_knots[d], wind_knots[w], arrays.knots)
+        horizon = max(times[times.size - 1] - arrays.knots[0], 0.0)  # the response's length [s]
         close[number] = has_close_poles(plant.poles, horizon)
         if close[number]:
             continue
-        used = add_rates(deflections[2][d], arrays.rates, 1)  # behind the first rate, zero
-        used = add_rates(winds[2][w], arrays.rates, used)
+        used = add_rates(deflection_rates[d], arrays.rates, 1)  # behind the first rate, zero
+        used = add_rates(wind_rates[w], arrays.rates, used)
         case = Case(arrays.knots[: count + 1], arrays.rates[:used], arrays.forces, arrays.lengths)
-        put_input(case, case.forces[:, 0], deflections[0][d], deflections[1][d], deflections[2][d])
-        put_input(case, case.forces[:, 1], winds[0][w], winds[1][w], winds[2][w])
+        deflection, wind = case.forces[:, DEFLECTION], case.forces[:, WIND]
+        put_input(case, deflection, deflection_knots[d], deflection_terms[d], deflection_rates[d])
+        put_input(case, wind, wind_knots[w], wind_terms[w], wind_rates[w])
         count_terms(case)
-        fastest = 0.0  # size of the largest pole
+        fastest = 0.0  # size of the largest pole [1/s]
         for m in range(plant.poles.size):
             fastest = max(fastest, abs(plant.poles[m]))
         for m in range(plant.poles.size):
@@ -301,23 +336,24 @@ def respond(
             unstable = pole.real > MARGINAL * fastest and abs(pole) * horizon > MAX_FORWARD_GROWTH
             if unstable and bounded_solution(pole, gain, case, m, span):
                 span.backward[m] = True
-                rounding = EPSILON * residue_roundings(pole, deflections[0][d], winds[0][w])
-                size = residue_magnitude(pole, gain[0], case.knots[0], deflections, d)
-                size += residue_magnitude(pole, gain[1], case.knots[0], winds, w)
+                rounding = EPSILON * residue_roundings(pole, deflection_knots[d], wind_knots[w])
+                size = residue_magnitude(pole, gain[DEFLECTION], case.knots[0], deflections, d)
+                size += residue_magnitude(pole, gain[WIND], case.knots[0], winds, w)
+                # z is zero at the first knot: the bounded z there is the negative of the excess
                 if abs(span.bounded[m, 0]) > rounding * size:
                     span.excess[m] = -span.bounded[m, 0]
         march_case(times, plant, case, span, out[number])
 
 
 @kernel
-def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> None:
+def march_case(times: FloatArray, plant: Plant, case: Case, span: Span, out: FloatArray) -> None:
     """Write the outputs of a case at ascending times ``(n,)`` [s] to `out` ``(R, n)``, by spans.
 
     A span lies between two knots. `plant`: its poles, gains and outputs. `case`: both inputs.
-    `span`: work arrays, with the residues and the bounded solutions of unstable modes, which are
-    computed backwards. Outputs are zero before the first knot.
+    `span`: work arrays, with `backward`, `excess` and `bounded` of unstable modes, which are
+    computed backwards, and zero as the state of the others. Outputs are zero before the first knot.
     """
-    first = np.searchsorted(times, case.knots[0])  # the first time of the span, then `last` its end
+    first = np.searchsorted(times, case.knots[0])  # index of the span's first time; `last`: its end
     for r in range(out.shape[0]):
         for j in range(first):
             out[r, j] = 0.0
@@ -325,13 +361,13 @@ def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> No
         if first == times.size:
             break
         width = case.knots[i + 1] - case.knots[i]
-        reach = min(case.knots[i + 1], times[times.size - 1]) - case.knots[i]
+        reach = min(case.knots[i + 1], times[times.size - 1]) - case.knots[i]  # to the last time
         for q in range(case.rates.size):
-            span.lengths[q] = 0
+            span.lengths[q] = 0  # the outputs' polynomials are zero
         for m in range(plant.poles.size):
             pole, horizon = plant.poles[m], width if span.backward[m] else reach
             # z(u) - a(u) = w e^(p u), with w from the end at which z is known: from the left
-            # z(0) - a(0) (lead), or for what grows from the right z(width) - a(width) (tail).
+            # z(0) - a(0) (lead), or of an unstable mode from the right z(width) - a(width) (tail).
             start, stop = particular_solution(pole, plant.gains[m], case, i, horizon, span)
             if span.backward[m]:
                 span.lead[m] = 0.0
@@ -348,13 +384,15 @@ def march_case(times: Any, plant: Plant, case: Case, span: Span, out: Any) -> No
 
 
 @allocation_free
-def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out: Any) -> None:
-    """Write the outputs at n times of span i to `out` ``(R, n)``: the real parts of sums.
+def write_outputs(
+    times: FloatArray, plant: Plant, case: Case, i: int, span: Span, out: FloatArray
+) -> None:
+    """Write the outputs at n times of span i, between knots i and i + 1, to `out` ``(R, n)``.
 
-    They are the polynomials of the particular solutions times e^(rate u), and the free exponentials
-    of the modes. `times`: [s], between two knots. `plant`, `case`: poles and outputs, and knots and
-    rates of the inputs. `span`: coefficients of both. Products of parts that are zero are omitted,
-    so that 0 times inf is 0.
+    Output r is the real part of a sum over rates q and modes m, u being the time since knot i:
+    `span.shares` (r, q), a polynomial in u of `span.lengths` (q) terms, times e^(rate u); and
+    `plant.outputs` (m, r) times the mode's free exponential (`amplitude`). `times`: in the span
+    [s]. `case`: knots and rates. Products of parts that are zero are omitted: 0 times inf is 0.
     """
     width, since = case.knots[i + 1] - case.knots[i], case.knots[i] - case.knots[0]
     for j in range(times.size):
@@ -375,7 +413,7 @@ def write_outputs(times: Any, plant: Plant, case: Case, i: Any, span: Span, out:
 
 
 @allocation_free
-def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
+def add_polynomials(u: float, rate: complex, shares: AnyArray, out: FloatArray) -> None:
     """Add the real parts of polynomials in u, times e^(rate u), to the outputs `out` ``(R,)``.
 
     `u`: time since the begin of the span [s]. `rate`: [1/s], which may be complex. `shares`:
@@ -392,16 +430,18 @@ def add_polynomials(u: Any, rate: Any, shares: Any, out: Any) -> None:
 
 
 @allocation_free
-def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Span) -> Any:
+def amplitude(
+    pole: complex, mode: int, u: float, width: float, since: float, span: Span
+) -> tuple[float, float]:
     """Return real and imaginary part of a mode's free exponential at the local time u [s].
 
     It is lead e^(p u) + tail e^(p (u - width)) + excess e^(p (u + since)): known from the left end
     of the span, from its right end, and from the first knot, the last being an unstable mode's
     residue. `pole`, `mode`: p [1/s] and its index. `width`: of the span [s]. `since`: from the
-    first knot to the span [s]. `span`: coefficients.
+    first knot to the span [s]. `span`: these three coefficients of each mode.
     """
     real, imaginary = 0.0, 0.0
-    for term in range(3):
+    for term in range(3):  # lead, tail and excess
         coefficient, time = span.lead[mode], u
         if term == 1:
             coefficient, time = span.tail[mode], u - width
@@ -417,14 +457,16 @@ def amplitude(pole: Any, mode: Any, u: Any, width: Any, since: Any, span: Span) 
 
 
 @allocation_free
-def exponential(exponent: Any, u: Any) -> Any:
+def exponential(exponent: complex, u: float) -> tuple[float, float]:
     """Return the real and the imaginary part of e^(exponent u), for a complex exponent [1/s]."""
     real, angle = np.exp(exponent.real * u), exponent.imag * u
     return (real, 0.0) if angle == 0.0 else (real * np.cos(angle), real * np.sin(angle))
 
 
 @kernel
-def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, span: Span) -> Any:
+def particular_solution(
+    pole: complex, gain: AnyArray, case: Case, i: int, width: float, span: Span
+) -> tuple[complex, complex]:
     """Write a particular solution of a mode in span i; return its values at both ends.
 
     Of z' = p z + g f, where f is the input's polynomial c times e^(r u) for each rate r, it is
@@ -436,16 +478,17 @@ def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, sp
     """
     start, stop = 0.0 * pole, 0.0 * pole
     for q in range(case.rates.size):
+        # number of terms of c; r - p; and the terms of a, lowest power first
         count, gap, terms = case.lengths[i, q], case.rates[q] - pole, span.solution[q]
         per_gap = 1.0 / gap if gap != 0.0 else gap + np.inf
-        first, second = case.forces[i, 0, q], case.forces[i, 1, q]
+        first, second = case.forces[i, DEFLECTION, q], case.forces[i, WIND, q]
         span.sizes[q] = count
         if count == 0:
             continue
         # (k + 1) a_(k+1) + gap a_k = g c_k, from the highest power on
-        coefficient, input_bound = 0.0 * pole, 0.0
+        coefficient, input_bound = 0.0 * pole, 0.0  # the bound is of g c, over the span, per width
         for k in range(count - 1, -1, -1):
-            forcing = gain[0] * first[k] + gain[1] * second[k]
+            forcing = gain[DEFLECTION] * first[k] + gain[WIND] * second[k]
             coefficient = (forcing - (k + 1) * coefficient) * per_gap
             terms[k] = coefficient
             input_bound = input_bound * width + abs(forcing) / (k + 1)
@@ -454,9 +497,11 @@ def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, sp
             continue
         if not abs(coefficient) <= MAX_CANCELLATION * input_bound * width:
             # the same from the lowest power on, with a_0 = 0
-            terms[0], k, term = 0.0, 0, 1.0
+            terms[0], k, term = 0.0, 0, 1.0  # `term`: size of the last over the last of the input
             while k < count or (term > NEGLIGIBLE_TERM and k + 1 < terms.size):
-                forcing = gain[0] * first[k] + gain[1] * second[k] if k < count else 0.0 * pole
+                forcing = 0.0 * pole
+                if k < count:
+                    forcing = gain[DEFLECTION] * first[k] + gain[WIND] * second[k]
                 terms[k + 1] = (forcing - gap * terms[k]) / (k + 1)
                 k += 1
                 if k >= count:
@@ -471,15 +516,15 @@ def particular_solution(pole: Any, gain: Any, case: Case, i: Any, width: Any, sp
 
 
 @kernel
-def bounded_solution(pole: Any, gain: Any, case: Case, mode: Any, span: Span) -> Any:
+def bounded_solution(pole: complex, gain: AnyArray, case: Case, mode: int, span: Span) -> bool:
     """Write the bounded solution of an unstable mode at each knot; return whether there is one.
 
     It is written to row `mode` of `span.bounded`. `pole`, `gain`: p [1/s] and g ``(2,)`` of the
     mode z' = p z + g f. `case`: both inputs f. After the last knot the bounded z is the particular
-    solution a, if no rate of the input grows as fast as p; in each span before it, backwards,
-    z(0) = a(0) + e^(-p width) [z(width) - a(width)].
+    solution a, and there is none where an input grows as fast as e^(p t); in each span before it,
+    backwards, z(0) = a(0) + e^(-p width) [z(width) - a(width)].
     """
-    last = case.knots.size - 2
+    last = case.knots.size - 2  # index of the last span, whose end is at infinity
     for q in range(case.rates.size):
         if case.lengths[last, q] > 0 and not (case.rates[q] - pole).real < 0.0:
             return False
@@ -494,24 +539,27 @@ def bounded_solution(pole: Any, gain: Any, case: Case, mode: Any, span: Span) ->
 
 
 @kernel
-def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: Any) -> Any:
+def residue_magnitude(
+    pole: complex, gain: complex, start: float, histories: Histories, number: int
+) -> float:
     """Return the sum of the sizes of all terms of the residue of one input, within a quarter.
 
     Times the relative rounding it bounds the error of the residue, g times the integral of
     e^(-p t) f. `pole`, `gain`: p [1/s] and g of the mode z' = p z + g f. `start`: time from which t
-    counts [s]. `histories`: knots, coefficients and rates of inputs, of which `number` is f.
+    counts [s]. `histories`: knots, coefficients and rates of an input, of which `number` is f.
 
     The integral of u^k e^(-gap u) up to a width, with gap = p - rate, is approximated by
     1/(1/a + 1/b): a = width^(k+1)/(k+1) is that without decay, b = k!/gap^(k+1) that without end.
     """
-    knots, coefficients, rates = histories[0][number], histories[1][number], histories[2][number]
-    total = 0.0
+    knots_of_all, coefficients_of_all, rates_of_all = histories
+    knots, coefficients = knots_of_all[number], coefficients_of_all[number]
+    rates, total = rates_of_all[number], 0.0
     for i in range(knots.size):
         width = knots[i + 1] - knots[i] if i + 1 < knots.size else np.inf
         late = np.exp(-pole.real * (knots[i] - start))
         for q in range(rates.size):
             gap = (pole - rates[q]).real
-            power, endless = 1.0, 1.0
+            power, endless = 1.0, 1.0  # become width^(k+1) and gap^(k+1)/k!
             growth = np.exp(-gap * width) if gap < 0.0 else 1.0
             for k in range(coefficients.shape[2]):
                 power *= width
@@ -523,7 +571,7 @@ def residue_magnitude(pole: Any, gain: Any, start: Any, histories: Any, number: 
 
 
 @kernel
-def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
+def residue_roundings(pole: complex, first: AnyArray, second: AnyArray) -> float:
     """Return a bound on the roundings in the residue of two inputs, in units of one rounding.
 
     The exponential e^(-p t) of a large exponent has a relative error of as many roundings as the
@@ -538,7 +586,7 @@ def residue_roundings(pole: Any, first: Any, second: Any) -> Any:
 
 
 @kernel
-def has_close_poles(poles: Any, horizon: Any) -> Any:
+def has_close_poles(poles: AnyArray, horizon: float) -> bool:
     """Return whether two poles are too close for a response by modes within a time.
 
     The residues of two close poles are large and cancel. `poles`: of a plant [1/s], ``(N,)``.
@@ -546,7 +594,7 @@ def has_close_poles(poles: Any, horizon: Any) -> Any:
     two are equal: the alternative, a chain of lags, is integrated forward and would lose its
     digits.
     """
-    gap, size, fastest = np.inf, 0.0, -np.inf
+    gap, size, fastest = np.inf, 0.0, -np.inf  # smallest distance, largest size and real part
     for i in range(poles.size):
         size, fastest = max(size, abs(poles[i])), max(fastest, poles[i].real)
         for j in range(i):
@@ -556,11 +604,12 @@ def has_close_poles(poles: Any, horizon: Any) -> Any:
 
 
 @kernel
-def add_share(outputs: Any, used: Any, span: Span) -> None:
+def add_share(outputs: AnyArray, used: int, span: Span) -> None:
     """Add a mode's particular solution to the outputs, times the mode's coefficient in each.
 
     `outputs`: these coefficients, ``(R,)``. `used`: number of rates. `span`: the `solution`, a
-    polynomial for each rate, and the sums of such polynomials in the outputs, `shares`; changed.
+    polynomial of `sizes` terms for each rate, and its sums over the modes by output and rate,
+    `shares`; changed.
     """
     for q in range(used):
         lengthen(q, span.sizes[q], span)
@@ -570,7 +619,7 @@ def add_share(outputs: Any, used: Any, span: Span) -> None:
 
 
 @kernel
-def subtract_wind(case: Case, i: Any, span: Span) -> None:
+def subtract_wind(case: Case, i: int, span: Span) -> None:
     """Subtract the wind in span i of a case, its second input, from the last output, in place.
 
     The last output, the angle of attack, is the last of `span.shares`, a polynomial for each rate.
@@ -579,11 +628,11 @@ def subtract_wind(case: Case, i: Any, span: Span) -> None:
     for q in range(case.rates.size):
         lengthen(q, case.lengths[i, q], span)
         for k in range(case.lengths[i, q]):
-            span.shares[last, q, k] -= case.forces[i, 1, q, k]
+            span.shares[last, q, k] -= case.forces[i, WIND, q, k]
 
 
 @kernel
-def lengthen(q: Any, length: Any, span: Span) -> None:
+def lengthen(q: int, length: int, span: Span) -> None:
     """Pad the outputs' polynomials that multiply e^(rate u) with zeros, to at least `length` terms.
 
     `q`: index of the rate. `span`: the coefficients are its `shares` ``(R, Q, L)`` by output, rate

@@ -1,9 +1,8 @@
 """Roots of real polynomials of low degree, by deflation, case by case."""
 
-from typing import Any
-
 import numpy as np
 
+from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.kernels.source import allocation_free, kernel
 
 PLAIN, COMPILED = 5e-5, 1e-6
@@ -20,10 +19,11 @@ _LAST_RELATIVE_STEP = 4.0 * 2.0**-52
 
 
 @kernel
-def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
+def small_roots(polynomials: FloatArray, out: ComplexArray, first: int, last: int) -> None:
     """Write the roots of ``polynomials (n, degree + 1)`` to ``out (n, degree)``, complex.
 
-    The leading coefficient comes first and is one. Cases from `first` up to `last` are computed.
+    The coefficient of the highest power comes first and is one; the roots have no order. Cases from
+    `first` up to `last` are computed.
     The roots are found by Laguerre's iteration from zero on and deflated, the smaller ones first,
     which is stable; the last two by their sum and product. Two Newton steps on the polynomial
     itself bring small roots to full relative accuracy beside large ones.
@@ -54,11 +54,11 @@ def small_roots(polynomials: Any, out: Any, first: int, last: int) -> None:
 
 
 @allocation_free
-def _divide(work: Any, degree: int, first: float, second: float) -> None:
+def _divide(work: FloatArray, degree: int, first: float, second: float) -> None:
     """Divide a polynomial in place by s + first, or s^2 + first s + second if `second` is not zero.
 
-    `work`: coefficients, highest power first, of which the quotient's, up to number `degree`, are
-    computed.
+    `work`: coefficients, highest power first, the first one; numbers 0 to `degree` become those of
+    the quotient, whose degree this is. The remainder is neglected.
     """
     for k in range(1, degree + 1):
         work[k] -= first * work[k - 1]
@@ -67,7 +67,7 @@ def _divide(work: Any, degree: int, first: float, second: float) -> None:
 
 
 @allocation_free
-def _laguerre_root(work: Any, degree: int) -> complex:
+def _laguerre_root(work: FloatArray, degree: int) -> complex:
     """Return a root by Laguerre's iteration from zero; real where rounding cannot distinguish it.
 
     `work`: coefficients, highest power first, up to number `degree`, the degree of the polynomial.
@@ -76,6 +76,7 @@ def _laguerre_root(work: Any, degree: int) -> complex:
     if work[degree] == 0.0:
         return root
     for _ in range(_MAX_ITERATIONS):
+        # of the polynomial at the iterate, by Horner's scheme
         value, slope, half_curvature = complex(work[0], 0.0), 0.0 * root, 0.0 * root
         error = abs(work[0])
         size = abs(root)
@@ -86,6 +87,7 @@ def _laguerre_root(work: Any, degree: int) -> complex:
             error = error * size + abs(value)  # bound of the roundings, in units of one
         if abs(value) <= 0.25 * _LAST_RELATIVE_STEP * error:
             break
+        # sums over all roots r of 1/(root - r) and of its square
         first = slope / value
         second = first * first - 2.0 * half_curvature / value
         spread = np.sqrt((degree - 1.0) * (degree * second - first * first))
@@ -98,6 +100,7 @@ def _laguerre_root(work: Any, degree: int) -> complex:
         root -= step
         if abs(step) <= _LAST_RELATIVE_STEP * abs(root):
             break
+    # the polynomial at the real part: zero within rounding if the root may be real
     real, value, error = root.real, work[0], abs(work[0])
     for k in range(1, degree + 1):
         value = value * real + work[k]
@@ -108,7 +111,7 @@ def _laguerre_root(work: Any, degree: int) -> complex:
 
 
 @allocation_free
-def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
+def _polished(polynomials: FloatArray, out: ComplexArray, case: int, k: int) -> complex:
     """Return a root after a Newton step, or as it is if it is clustered or the residual grows.
 
     `polynomials`: ``(n, degree + 1)``, highest power first. `out`: roots ``(n, degree)``, of which
@@ -134,7 +137,11 @@ def _polished(polynomials: Any, out: Any, case: int, k: int) -> complex:
 
 @allocation_free
 def _quadratic_roots(middle: float, product: float) -> tuple[complex, complex]:
-    """Return two roots by their mean `middle` and their product, without cancellation."""
+    """Return the roots of s^2 - 2 middle s + product, without cancellation.
+
+    `middle` is their mean. A complex pair begins with the positive imaginary part, a real pair with
+    the root of larger size.
+    """
     square = middle * middle - product
     if square < 0.0:
         height = np.sqrt(-square)

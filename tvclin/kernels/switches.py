@@ -1,18 +1,21 @@
 """Exit times of the dead band on the stability boundary, in the general problem, case by case.
 
-The dead band is exited when the driver first equals K times the demand (see `excess`), at a new
-maximum of the driver, and the last such time has the largest limit. Between two sign changes of h
-the excess has at most one zero, and where it is positive at the end of an interval it was negative
-before only if it was so at the start, or where h changed to positive. Nothing else is evaluated.
+The driver is the quantity that is compared with the demand: the wind itself, or its trim deflection
+over -B, as the exit law says. The dead band is exited when the driver first equals K times the
+demand (see `excess`), at a new maximum of the driver, and the last such time has the largest limit.
+Between two sign changes of h the excess has at most one zero, and where it is positive at the end
+of an interval it was negative before only if it was so at the start, or where h changed to
+positive. Nothing else is evaluated.
 """
-
-from typing import Any
 
 import numpy as np
 
+from tvclin.base.arrays import AnyArray, FloatArray, IntArray
 from tvclin.kernels.excess import (
     EXCESS,
     EXCESS_FORCING,
+    FILTER_X,
+    FILTER_Y,
     HEIGHT,
     MAX_INTERVALS,
     RELATIVE_ROUNDING,
@@ -41,11 +44,24 @@ FILTERED = {"f": 3, "c": 10}
 """Factor on these times for filtered trim, by the type of the rates (real, complex)."""
 _RELATIVE_JUMP = 1e-9
 """Relative decrease of the driver that is a jump: more than rounding, less than any real jump."""
+_POLE, _DEAD_BAND, _B1, _B2, _Q = range(5)
+"""Columns of the numbers of each case."""
+_LOCAL_TIME, _LEVEL, _MARGIN = range(3)
+"""Columns of the new maxima of the driver: time since the begin of the piece [s], height of the
+driver, and this height less K times the demand then."""
+_MAX_MARKS = 4
+"""Largest number of these maxima in a monotone interval."""
 
 
 @kernel
 def switches(
-    winds: Any, which: Any, numbers: Any, literal: Any, out: Any, first: int, last: int
+    winds: tuple[FloatArray, AnyArray, AnyArray],
+    which: IntArray,
+    numbers: FloatArray,
+    literal: np.bool_,
+    out: FloatArray,
+    first: int,
+    last: int,
 ) -> None:
     """Write time [s], demand and status of the exit of the dead band, of each case.
 
@@ -59,20 +75,29 @@ def switches(
     status SOLVED, JUMP or UNREACHED. Cases from `first` up to `last` are computed.
     """
     knots, coefficients, rates = winds
-    marched, marks, ends = np.empty((3, knots.shape[1])), np.empty((4, 3)), np.empty(MAX_INTERVALS)
+    marched, ends = np.empty((3, knots.shape[1])), np.empty(MAX_INTERVALS)
+    marks = np.empty((_MAX_MARKS, 3))
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
-        p, K = numbers[case, 0], numbers[case, 1]
-        b1, b2, q = numbers[case, 2], numbers[case, 3], numbers[case, 4]
+        p, K = numbers[case, _POLE], numbers[case, _DEAD_BAND]
+        b1, b2, q = numbers[case, _B1], numbers[case, _B2], numbers[case, _Q]
         wind = Wind(knots[i], coefficients[i], rates[i], marched, work)
-        integrate_wind(wind, ExitLaw(p, K, b2 - b1, b1, q, WIND_DRIVES))
-        law = ExitLaw(p, K, b2 - b1, b1, q, literal)
+        # the integrals do not depend on the driver
+        integrate_wind(wind, ExitLaw(p, K, gain=b2 - b1, b1=b1, q=q, trim_drives=WIND_DRIVES))
+        law = ExitLaw(p, K, gain=b2 - b1, b1=b1, q=q, trim_drives=literal)
         out[0, case], out[1, case], out[2, case] = _solve(wind, law, marks, ends)
 
 
 @kernel
-def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, last: int) -> None:
+def largest_trims(
+    winds: tuple[FloatArray, AnyArray, AnyArray],
+    which: IntArray,
+    numbers: FloatArray,
+    out: FloatArray,
+    first: int,
+    last: int,
+) -> None:
     """Write the largest size of trim, over B and the wind's peak, to ``out (n,)``.
 
     B is trim deflection per angle of attack, so that it is one without drift; infinite where trim
@@ -87,15 +112,18 @@ def largest_trims(winds: Any, which: Any, numbers: Any, out: Any, first: int, la
     work = np.empty((2, coefficients.shape[3]), coefficients.dtype)
     for case in range(first, last):
         i = which[case]
-        b1, b2, q = numbers[case, 2], numbers[case, 3], numbers[case, 4]
+        b1, b2, q = numbers[case, _B1], numbers[case, _B2], numbers[case, _Q]
         wind = Wind(knots[i], coefficients[i], rates[i], marched, work)
-        law = ExitLaw(numbers[case, 0], 1.0, b2 - b1, b1, q, TRIM_DRIVES)
+        # K has no effect
+        law = ExitLaw(numbers[case, _POLE], 1.0, b2 - b1, b1=b1, q=q, trim_drives=TRIM_DRIVES)
         integrate_wind(wind, law)
         out[case] = _largest_trim(wind, law, ends)
 
 
 @allocation_free
-def _solve(wind: Wind, law: ExitLaw, marks: Any, ends: Any) -> tuple[float, float, int]:
+def _solve(
+    wind: Wind, law: ExitLaw, marks: FloatArray, ends: FloatArray
+) -> tuple[float, float, int]:
     """Return time [s], demand and status of the exit of the dead band of one wind.
 
     A height is a new maximum of the driver, the wind or its trim. The demand is the constant
@@ -103,22 +131,23 @@ def _solve(wind: Wind, law: ExitLaw, marks: Any, ends: Any) -> tuple[float, floa
     angle of attack) and the wind's peak. The exit lies between the last height below K times the
     demand, and the first one after it that is not; without such a one it is the end of the wind
     with status UNREACHED. With K = 0 it is the onset of the wind. `law`: p, K, the filter of trim
-    and the driver. `marks`, `ends`: work arrays.
+    and the driver. `marks`, `ends`: work arrays of `_new_heights` and of `monotone_intervals`.
     """
     knots = wind.knots
     K = law.K
     if K == 0.0:
         i = onset_piece(wind)
         return knots[i], demand(wind, law, i, 0.0), SOLVED
-    # low: the last height below K times the demand; high: the first one after it that is not
-    insufficient, sufficient = False, False
+    # low: piece, local time [s], height and margin of the last height below K times the demand;
+    # high: piece, local time and margin of the first one after it that is not
+    insufficient, sufficient = False, False  # whether there is a low one, and a high one after it
     low, high = (0, 0.0, 0.0, 0.0), (0, 0.0, 0.0)
     highest = 0.0
     for i in range(knots.size - 1):
         for interval in range(monotone_intervals(wind, law, i, ends)):
             heights = _new_heights(wind, law, marks, highest, i, ends[interval], ends[interval + 1])
             for k in range(heights):
-                u, level, margin = marks[k, 0], marks[k, 1], marks[k, 2]
+                u, level, margin = marks[k, _LOCAL_TIME], marks[k, _LEVEL], marks[k, _MARGIN]
                 if margin < -RELATIVE_ROUNDING * level:
                     insufficient, sufficient, low = True, False, (i, u, level, margin)
                 elif not sufficient:
@@ -126,11 +155,18 @@ def _solve(wind: Wind, law: ExitLaw, marks: Any, ends: Any) -> tuple[float, floa
                 highest = max(highest, level)
     if not sufficient:
         return knots[-1], 0.0, UNREACHED
-    return _exit(wind, law, low if insufficient else (0, 0.0, -np.inf, 0.0), high)
+    if not insufficient:
+        low = (0, 0.0, -np.inf, 0.0)  # a negative height: there is none
+    return _exit(wind, law, low, high)
 
 
 @allocation_free
-def _exit(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[float, float, int]:
+def _exit(
+    wind: Wind,
+    law: ExitLaw,
+    low: tuple[int, float, float, float],
+    high: tuple[int, float, float],
+) -> tuple[float, float, int]:
     """Return time [s], demand and status of the exit of the dead band between two heights.
 
     Heights are new maxima of the driver (wind or trim over -B), margins these less K times the
@@ -140,25 +176,26 @@ def _exit(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[float, float, 
     height just after the exit, else SOLVED.
     """
     i, u, _ = high
+    _, _, low_height, _ = low
     status = SOLVED
-    if low[2] >= 0.0:
+    if low_height >= 0.0:
         i, u = _crossing(wind, law, low, high)
-        if _driver_after(wind, law, i, u) < low[2] * (1.0 - _RELATIVE_JUMP):
+        if _driver_after(wind, law, i, u) < low_height * (1.0 - _RELATIVE_JUMP):
             status = JUMP
     return wind.knots[i] + u, demand(wind, law, i, u), status
 
 
 @allocation_free
 def _new_heights(
-    wind: Wind, law: ExitLaw, marks: Any, highest: float, i: int, a: float, b: float
+    wind: Wind, law: ExitLaw, marks: FloatArray, highest: float, i: int, a: float, b: float
 ) -> int:
     """Write new maxima of the driver in a monotone interval to `marks`; return their number.
 
     The driver is the wind, or its trim over -B (trim deflection per angle of attack), as `law`
-    says. `marks`: written: local time [s], height, and margin, the height less K times the demand
-    then, ``(4, 3)``. `highest`: largest height so far. `i`: segment of the wind. `a`, `b`: ends of
-    the interval, local times [s]. Noted are the ends, and between them a time at which the margin
-    may be negative.
+    says. `marks`: written, ``(4, 3)``: a row for each maximum, with the local time [s], the height
+    of the driver, and the margin, this height less K times the demand. `highest`: largest height
+    before. `i`: segment of the wind. `a`, `b`: ends of the interval, local times [s]. Noted are the
+    ends, and between them a time at which the margin may be negative.
     """
     start, _, _ = driver(wind, law, i, a)
     stop, _, _ = driver(wind, law, i, b)
@@ -175,7 +212,8 @@ def _new_heights(
     demanded, count = K * demand(wind, law, i, a), 0
     for level in (min(highest, start), start):
         if level > highest or count == 0:
-            marks[count, 0], marks[count, 1], marks[count, 2] = a, level, level - demanded
+            marks[count, _LOCAL_TIME], marks[count, _LEVEL] = a, level
+            marks[count, _MARGIN] = level - demanded
             count += 1
     if stop < start or b == a:
         return count
@@ -188,25 +226,32 @@ def _new_heights(
         if turns == 2 or (turns == 1 and falling):
             u = first if falling else second
             level, _, _ = driver(wind, law, i, u)
-            marks[count, 0], marks[count, 1] = u, level
-            marks[count, 2] = level - K * demand(wind, law, i, u)
+            marks[count, _LOCAL_TIME], marks[count, _LEVEL] = u, level
+            marks[count, _MARGIN] = level - K * demand(wind, law, i, u)
             count += 1
-    marks[count, 0], marks[count, 1], marks[count, 2] = b, stop, margin
+    marks[count, _LOCAL_TIME], marks[count, _LEVEL], marks[count, _MARGIN] = b, stop, margin
     return count + 1
 
 
 @allocation_free
-def _crossing(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[int, float]:
+def _crossing(
+    wind: Wind,
+    law: ExitLaw,
+    low: tuple[int, float, float, float],
+    high: tuple[int, float, float],
+) -> tuple[int, float]:
     """Return the piece and the local time [s] at which the driver reaches K times the demand.
 
-    The driver is the wind or its trim over -B, and counts at least as the lower height. `low`,
-    `high`: its heights before and after: piece, local time, height and margin over K times the
-    demand; piece, local time and margin. `wind`, `law`: wind with its integrals, and p, K and the
-    filter of trim.
+    The driver is the wind, or its trim over -B (trim deflection per angle of attack), and counts at
+    least as its height at `low`. The time is between two new maxima of it. `low`: the earlier, with
+    a negative margin: piece, local time [s], height, and margin, the height less K times the
+    demand. `high`: the later: piece, local time and margin. `wind`, `law`: wind with its integrals,
+    and p, K and the filter of trim.
     """
     knots, K = wind.knots, law.K
     i, u, floor, margin = low
-    while i < high[0]:
+    high_piece, high_time, high_margin = high
+    while i < high_piece:
         width = knots[i + 1] - knots[i]
         margin_after = max(driver(wind, law, i, width)[0], floor) - K * demand(wind, law, i, width)
         if width > u and margin_after >= 0.0:
@@ -215,16 +260,18 @@ def _crossing(wind: Wind, law: ExitLaw, low: Any, high: Any) -> tuple[int, float
         margin = max(driver(wind, law, i, u)[0], floor) - K * demand(wind, law, i, u)
         if margin >= 0.0:
             return i, u
-    if high[1] == u:
+    if high_time == u:
         return i, u
-    return i, root(EXCESS, floor, wind, law, i, u, margin, high[1], high[2])
+    return i, root(EXCESS, floor, wind, law, i, u, margin, high_time, high_margin)
 
 
 @allocation_free
 def _driver_after(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
     """Return the driver just after the local time u [s] of piece i, behind a jump at its end.
 
-    The driver is the wind of unit peak or its trim over -B, trim deflection per angle of attack.
+    The driver is the wind of unit peak, or where `law.trim_drives` its trim over -B, trim
+    deflection per angle of attack. At the end of a piece it is that at the begin of the next one
+    that has a width.
     """
     knots = wind.knots
     while i < knots.size - 1 and u >= knots[i + 1] - knots[i]:
@@ -233,18 +280,19 @@ def _driver_after(wind: Wind, law: ExitLaw, i: int, u: float) -> float:
 
 
 @allocation_free
-def _largest_trim(wind: Wind, law: ExitLaw, ends: Any) -> float:
+def _largest_trim(wind: Wind, law: ExitLaw, ends: FloatArray) -> float:
     """Return the largest size of trim, over B and the wind's peak, during the wind and after it.
 
     B is trim deflection per angle of attack. During the wind it is at an end of an interval in
-    which trim is monotone. `law`: the filter of trim, which is the driver of these intervals.
-    `ends`: work array.
+    which trim is monotone. `law`: the filter of trim, with `trim_drives` true: then trim over -B is
+    what `driver` returns and what is monotone in `monotone_intervals`. `ends`: work array of that.
     """
     largest = 0.0
     for i in range(wind.knots.size - 1):
         for interval in range(monotone_intervals(wind, law, i, ends)):
             for k in (interval, interval + 1):
-                largest = max(largest, abs(driver(wind, law, i, ends[k])[0]))
+                trim, _, _ = driver(wind, law, i, ends[k])
+                largest = max(largest, abs(trim))
     return max(largest, _largest_free_trim(wind, law))
 
 
@@ -253,8 +301,8 @@ def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
     """Return the largest size of trim after the wind; infinite where it grows without end.
 
     Over B, trim deflection per angle of attack, and the peak of the wind it is then gain y, with
-    the filter y'' + b1 y' + q y = 0 (`law`), whose state x, y = x' at the end of the wind is the
-    last of `wind.marched`. Its slope v = y' obeys the same equation, so with w^2 = q - b1^2/4
+    the filter y'' + b1 y' + q y = 0 (`law`), whose state x, y = x' at the end of the wind is in the
+    last column of `wind.marched`. Its slope v = y' obeys the same equation: with w^2 = q - b1^2/4
 
             v(u) = e^(-b1 u/2) [v cos(w u) + (v' + b1 v/2) sin(w u)/w],
 
@@ -264,7 +312,7 @@ def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
     _, c, rates, marched, work = wind
     gain, b1, q = law.gain, law.b1, law.q
     last = marched.shape[1] - 1
-    x, y = marched[1, last], marched[2, last]
+    x, y = marched[FILTER_X, last], marched[FILTER_Y, last]
     if gain == 0.0 or (y == 0.0 and q * x == 0.0):
         return 0.0
     if b1 < 0.0:
@@ -279,5 +327,6 @@ def _largest_free_trim(wind: Wind, law: ExitLaw) -> float:
         u = (phase if phase > 0.0 else phase + np.pi) / frequency
     elif 0.0 < -slope * frequency < cosine_term or cosine_term < -slope * frequency < 0.0:
         u = np.arctanh(-slope * frequency / cosine_term) / frequency
+    # the last piece, after the wind, is zero
     _, extreme = advance_filter(c[last], rates, u, x, y, b1, q, work)
     return abs(gain) * max(abs(y), abs(extreme))

@@ -27,10 +27,11 @@ reaches its limit within a step the rule is of second order.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.kernels.source import inlined, kernel
 
 PLAIN, COMPILED = 1.3e-4, 2e-7
@@ -38,30 +39,32 @@ PLAIN, COMPILED = 1.3e-4, 2e-7
 
 
 class VaryingSteps(NamedTuple):
-    """Steps of winds, and the equations of vehicles over them.
+    """Steps of winds, and the equations x' = A x + b delta + w alpha_w of vehicles over them.
 
-    `lengths`: lengths of the steps [s], ``(n, S)``. `equations`: E at begin, middle and end of each
-    step, ``(n, S, 3, m, m + 2)``; of a first or second axis of length one the only entry holds for
-    all. `slopes`: E_1 and E_2 there, ``(n, S, 3, 2, m, m + 2)``. `ratio`, `wind`: r and alpha_w
-    [rad] there, ``(n, S, 3)``.
+    E = [A b w] at nominal dynamic pressure has the m columns of A, column m for the deflection, and
+    column m + 1 for the wind; states 0 and 1 are attitude and its rate. `lengths`: lengths of the
+    steps [s], ``(n, S)``. `equations`: E at begin, middle and end of each step, ``(n, S, 3, m, m +
+    2)``; of a first or second axis of length one the only entry holds for all. `slopes`: E_1 and
+    E_2 there, the terms of E proportional to r and to 1/r, ``(n, S, 3, 2, m, m + 2)``. `ratio`,
+    `wind`: r, dynamic pressure over nominal, and alpha_w [rad] there, ``(n, S, 3)``.
     """
 
-    lengths: Any
-    equations: Any
-    slopes: Any
-    ratio: Any
-    wind: Any
+    lengths: FloatArray
+    equations: FloatArray
+    slopes: FloatArray
+    ratio: FloatArray
+    wind: FloatArray
 
 
 @kernel
 def trim_and_demand(
     steps: VaryingSteps,
-    end: Any,
-    onset: Any,
-    trim: Any,
-    demand: Any,
-    demand_slope: Any,
-    path: Any,
+    end: FloatArray,
+    onset: FloatArray,
+    trim: FloatArray,
+    demand: FloatArray,
+    demand_slope: FloatArray,
+    path: FloatArray,
     first: int,
     last: int,
 ) -> None:
@@ -90,13 +93,14 @@ def trim_and_demand(
         Cases from the first up to the last are computed.
     """
     count, m = steps.lengths.shape[1], steps.equations.shape[3]
+    # of each step [A b w] at begin, middle and end; and at its ends p, R and F, ``m + 2`` numbers
     matrices, costate = np.empty((count, 3, m, m + 2)), np.empty((count + 1, m + 2))
     state, rates = np.empty((2, m + 2)), np.empty((4, m + 2))
     for case in range(first, last):
         lengths, wind = steps.lengths[case], steps.wind[case]
         for i in range(m + 1):
             costate[count, i] = end[case, i]
-        costate[count, m + 1] = 0.0
+        costate[count, m + 1] = 0.0  # no wind remains
         begin = int(onset[case])
         for s in range(count - 1, begin - 1, -1):
             matrix = matrices[s]
@@ -110,11 +114,11 @@ def trim_and_demand(
             _path_step(matrix, wind[s], h, path[case], s, state, rates)
             trim[case, s, 0] = _trim(matrix, 0, path[case, s], wind[s, 0])
             trim[case, s, 2] = _trim(matrix, 2, path[case, s + 1], wind[s, 2])
-            for i in range(m - 2):  # Hermite's cubic in the middle
+            for i in range(m - 2):  # the path in the middle, by Hermite's cubic
                 total = path[case, s, i] + path[case, s + 1, i]
                 state[0, i] = 0.5 * total + h / 8.0 * (rates[0, i + 2] - rates[3, i + 2])
             trim[case, s, 1] = _trim(matrix, 1, state[0], wind[s, 1])
-            for j in range(2):
+            for j in range(2):  # begin and end of the step, numbers 0 and 2 of three
                 # g = p.x + F, p.b, and the control reach R
                 g, effect, R = costate[s + j, m + 1], 0.0, costate[s + j, m]
                 for i in range(m):
@@ -123,34 +127,38 @@ def trim_and_demand(
                     g += costate[s + j, i + 2] * path[case, s + j, i]
                 demand[case, s, 2 * j] = -g / R
                 demand_slope[case, s, j] = effect * (-g / R - trim[case, s, 2 * j]) / R
+            # the demand in the middle, by Hermite's cubic
             mean = 0.5 * (demand[case, s, 0] + demand[case, s, 2])
             bend = demand_slope[case, s, 0] - demand_slope[case, s, 1]
             demand[case, s, 1] = mean + h / 8.0 * bend
 
 
 @inlined
-def equations_at_ratio(steps: VaryingSteps, case: int, s: int, skipped: float, matrix: Any) -> None:
-    """Write [A b w] at begin, middle and end of step s, at the dynamic pressure encountered.
+def equations_at_ratio(
+    steps: VaryingSteps, case: int, s: int, skipped: float, matrix: FloatArray
+) -> None:
+    """Write [A b w] of a case at begin, middle and end of step s, at the encountered pressure.
 
-    They are E + (r - 1) E_1 + (1/r - 1) E_2 with r that pressure over the nominal one: `steps` has
-    E, `equations`, which hold at r = 1, the terms E_1 and E_2 that are proportional to r and to
-    1/r, `slopes`, and r, `ratio`. `skipped`: fraction of the step before the wind begins; the
-    matrices are then at begin, middle and end of the rest, by parabolas through the three given
-    ones. `matrix`: written, ``(3, m, m + 2)``.
+    They are E + (r - 1) E_1 + (1/r - 1) E_2, r being the dynamic pressure encountered over the
+    nominal one: `steps` has E, `equations`, which hold at r = 1, the terms E_1 and E_2 that are
+    proportional to r and to 1/r, `slopes`, and r, `ratio`. `skipped`: fraction of the step before
+    the wind begins; the matrices are then at begin, middle and end of the rest, by parabolas
+    through the three given ones. `matrix`: written, ``(3, m, m + 2)``.
     """
     equations, slopes, m = steps.equations, steps.slopes, matrix.shape[1]
+    # an axis of length one has the only entry for all cases, or for all steps
     c, k = case if equations.shape[0] > 1 else 0, s if equations.shape[1] > 1 else 0
     for q in range(3):
         ratio = steps.ratio[case, s, q]
         direct, inverse = ratio - 1.0, 1.0 / ratio - 1.0
-        u = skipped + 0.5 * q * (1.0 - skipped)
+        u = skipped + 0.5 * q * (1.0 - skipped)  # fraction of the step
         for i in range(m):
             for j in range(m + 2):
                 change = direct * slopes[c, k, q, 0, i, j] + inverse * slopes[c, k, q, 1, i, j]
                 matrix[q, i, j] = equations[c, k, q, i, j] + change
                 if skipped > 0.0:
                     matrix[q, i, j] = 0.0
-                    for p in range(3):  # weights of the parabola through begin, middle and end
+                    for p in range(3):  # of the parabola through begin, middle and end
                         change = direct * slopes[c, k, p, 0, i, j]
                         change += inverse * slopes[c, k, p, 1, i, j]
                         weight = 4.0 * u * (1.0 - u)
@@ -161,19 +169,26 @@ def equations_at_ratio(steps: VaryingSteps, case: int, s: int, skipped: float, m
 
 @inlined
 def costate_step(
-    matrix: Any, wind: Any, h: float, costate: Any, s: int, state: Any, rates: Any
+    matrix: FloatArray,
+    wind: FloatArray,
+    h: float,
+    costate: FloatArray,
+    s: int,
+    state: FloatArray,
+    rates: FloatArray,
 ) -> None:
     """Write costate p, control reach R and wind integral F at the begin of a step, by Runge-Kutta.
 
-    R and F are the effects of a unit deflection and of the wind on the unstable component from then
-    on: dp/dt = -p A, dR/dt = -p.b, dF/dt = -p.w alpha_w. The step goes backwards from row `s + 1`
-    of `costate`, p, R and F ``(m + 2,)``, to row `s`; any factor common to the first remains, since
-    the equations are linear in p. `matrix`: columns ``[A b w]`` at begin,
-    middle and end of the step. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `state`,
-    `rates`: work arrays.
+    R and F are the effects of a unit deflection and of the wind on the unstable component from
+    then on: dp/dt = -p A, dR/dt = -p.b, dF/dt = -p.w alpha_w. The step goes backwards from row
+    `s + 1` of `costate`, p, R and F ``(m + 2,)``, to row `s`; a factor common to the first remains,
+    since the equations are linear in p. `matrix`: columns ``[A b w]`` at begin, middle and end of
+    the step, ``(3, m, m + 2)``. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s].
+    `state`, `rates`: work arrays, of m columns at least, and ``(4, m + 2)`` by stage.
     """
     m = matrix.shape[1]
     for stage in range(4):
+        # q: end, middle, middle and begin of the step, of which the fraction is gone back
         q, fraction = 2 - (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         for i in range(m):
             state[0, i] = costate[s + 1, i]
@@ -190,7 +205,7 @@ def costate_step(
 
 
 @inlined
-def _normalise(costate: Any) -> None:
+def _normalise(costate: FloatArray) -> None:
     """Scale costate p and its integrals R and F, a row ``(m + 2,)``, to ``|p| = 1`` in place."""
     size = 0.0
     for i in range(costate.size - 2):
@@ -200,16 +215,25 @@ def _normalise(costate: Any) -> None:
 
 
 @inlined
-def _path_step(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, rates: Any) -> None:
+def _path_step(
+    matrix: FloatArray,
+    wind: FloatArray,
+    h: float,
+    path: FloatArray,
+    s: int,
+    state: FloatArray,
+    rates: FloatArray,
+) -> None:
     """Write the path states under ideal trim at the end of step s, by Runge-Kutta.
 
     They are the states beyond attitude and rate, which stay at rest: rows s and s + 1 of `path`
     ``(S + 1, m - 2)``. `matrix`: columns ``[A b w]`` of x' = A x + b delta + w alpha_w at begin,
     middle and end of the step. `wind`: alpha_w there [rad], ``(3,)``. `h`: its length [s]. `state`,
-    `rates`: work arrays; the slopes at begin and end stay in `rates` 0 and 3.
+    `rates`: work arrays; the slopes at begin and end stay in rows 0 and 3 of `rates`, by state.
     """
     m = matrix.shape[1]
     for stage in range(4):
+        # q: begin, middle, middle and end of the step
         q, fraction = (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         for i in range(m - 2):
             state[0, i] = path[s, i]
@@ -223,12 +247,14 @@ def _path_step(matrix: Any, wind: Any, h: float, path: Any, s: int, state: Any, 
 
 
 @inlined
-def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None:
+def _path_rates(
+    matrix: FloatArray, q: int, path: FloatArray, wind: float, rates: FloatArray
+) -> None:
     """Write the derivatives of the path states under ideal trim to `rates`, from index 2 on.
 
-    `matrix`: columns ``[A b w]`` of x' = A x + b delta + w alpha_w at three times, of which number
-    q is taken. `path`: states beyond attitude and rate, ``(m - 2,)``. `wind`: wind angle of attack
-    [rad].
+    Indices 0 and 1 are of attitude and rate, which are zero. `matrix`: columns ``[A b w]`` of x' =
+    A x + b delta + w alpha_w at three times, ``(3, m, m + 2)``, of which number q is taken. `path`:
+    the states beyond these two, ``(m - 2,)``. `wind`: wind angle of attack [rad].
     """
     m = matrix.shape[1]
     deflection = _trim(matrix, q, path, wind)
@@ -239,12 +265,13 @@ def _path_rates(matrix: Any, q: int, path: Any, wind: float, rates: Any) -> None
 
 
 @inlined
-def _trim(matrix: Any, q: int, path: Any, wind: float) -> float:
-    """Return the deflection [rad] of ideal trim, with attitude and rate at rest.
+def _trim(matrix: FloatArray, q: int, path: FloatArray, wind: float) -> float:
+    """Return the deflection [rad] of ideal trim, with attitude and rate zero.
 
-    It balances the moments, row 1 of the equations. `matrix`: columns ``[A b w]`` of x' = A x + b
-    delta + w alpha_w at three times, of which number q is taken. `path`: states beyond attitude and
-    rate, ``(m - 2,)``. `wind`: wind angle of attack [rad].
+    It balances the moments, row 1 of the equations, that of the attitude rate. `matrix`: columns
+    ``[A b w]`` of x' = A x + b delta + w alpha_w at three times, ``(3, m, m + 2)``, of which number
+    q is taken; b is column m, w column m + 1. `path`: states beyond attitude and rate, ``(m -
+    2,)``. `wind`: wind angle of attack [rad].
     """
     m = matrix.shape[1]
     moment = matrix[q, 1, m + 1] * wind
@@ -260,13 +287,13 @@ LIMITED_PLAIN, LIMITED_COMPILED = 2.5e-5, 2e-8
 @kernel
 def limited_trim(
     steps: VaryingSteps,
-    end: Any,
-    onset: Any,
+    end: FloatArray,
+    onset: FloatArray,
     gain: float,
-    max_attitude: Any,
+    max_attitude: FloatArray,
     checked: int,
-    limits: Any,
-    diverged: Any,
+    limits: FloatArray,
+    diverged: BoolArray,
     first: int,
     last: int,
 ) -> None:
@@ -275,9 +302,10 @@ def limited_trim(
     They are flights of the ideal trim law with a deflection limit L, which diverge if in the end L
     cannot bring the unstable component back, ``|p.x| > L |R|``. `steps`: steps, equations and winds
     of the n cases. `end`: costate p and control reach R of a unit deflection at the end, ``(n, m +
-    1)``. `onset`: position at which each wind begins, in steps, ``(n,)``. `gain`: ratio of the
-    attitude feedback to trim. `max_attitude`: attitudes [rad] beyond which a flight counts as
-    diverged, ``(n,)``, in the first `checked` steps. Cases from `first` up to `last` are computed.
+    1)``. `onset`: position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third.
+    `gain`: ratio of the attitude feedback to trim. `max_attitude`: attitudes [rad] beyond which a
+    flight counts as diverged, ``(n,)``, in the first `checked` steps. Cases from `first` up to
+    `last` are computed.
     """
     count, m, tries = steps.lengths.shape[1], steps.equations.shape[3], limits.shape[1]
     matrix, law = np.empty((3, m, m + 2)), np.empty((3, m + 1))
@@ -297,21 +325,22 @@ def limited_trim(
                 if s < checked and abs(states[k, 0]) > max_attitude[case]:
                     diverged[case, k] = True
         for k in range(tries):
-            component = 0.0
+            component = 0.0  # p.x
             for i in range(m):
                 component += end[case, i] * states[k, i]
-            reached = limits[case, k] * abs(end[case, m])
+            reached = limits[case, k] * abs(end[case, m])  # L |R|
             diverged[case, k] = diverged[case, k] or not abs(component) <= reached  # or an overflow
 
 
 @inlined
-def _trim_law_gains(matrix: Any, gain: float, law: Any) -> None:
+def _trim_law_gains(matrix: FloatArray, gain: float, law: FloatArray) -> None:
     """Write the feedback gains of the states, and last of the wind angle, ``law (m + 1,)``.
 
     The ideal trim law is delta = -(A_2.x + w_2 alpha_w + gain ``|mu_alpha|`` z)/b_2 with A_2, w_2
     and b_2 the row of the moments, mu_alpha = A_21 and z = theta + theta'/k, the unstable component
     of the attitude: k is the positive root of k^2 - d k = ``|mu_alpha|``, d = -A_22 the damping.
-    `matrix`: ``[A b w]``, ``(m, m + 2)``. `gain`: ratio of the attitude feedback to trim.
+    `matrix`: ``[A b w]``, ``(m, m + 2)``, row 1 that of the moments, b column m, w column m + 1.
+    `gain`: ratio of the attitude feedback to trim.
     """
     m = matrix.shape[0]
     for i in range(m):
@@ -327,24 +356,25 @@ def _trim_law_gains(matrix: Any, gain: float, law: Any) -> None:
 
 @inlined
 def _limited_step(
-    matrix: Any,
-    law: Any,
-    wind: Any,
+    matrix: FloatArray,
+    law: FloatArray,
+    wind: FloatArray,
     h: float,
     limit: float,
-    states: Any,
-    state: Any,
-    rates: Any,
+    states: FloatArray,
+    state: FloatArray,
+    rates: FloatArray,
 ) -> None:
     """Advance the states ``(m,)`` of a flight of the limited trim law by a step, by Runge-Kutta.
 
     `matrix`: columns ``[A b w]`` of x' = A x + b delta + w alpha_w at begin, middle and end of the
     step. `law`: gains of states and wind there, ``(3, m + 1)``. `wind`: alpha_w there [rad],
     ``(3,)``. `h`: its length [s]. `limit`: deflection limit [rad]. `states`: changed. `state`,
-    `rates`: work arrays.
+    `rates`: work arrays, ``(m,)``, and ``(4, m)`` by stage.
     """
     m = matrix.shape[1]
     for stage in range(4):
+        # q: begin, middle, middle and end of the step
         q, fraction = (stage + 1) // 2, 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
         deflection = law[q, m] * wind[q]
         for i in range(m):
