@@ -144,9 +144,9 @@ def rectangular_limit(tau_beta: ArrayLike, K1: ArrayLike = 1.0) -> Any:
     Parameters
     ----------
     tau_beta : array_like
-        The duration tau of the wind in units of 1/beta, positive.
+        The duration tau of the wind times the unstable pole beta, positive.
     K1 : array_like
-        (beta + b2)/(beta + b1), eq (15b); 1 without drift.
+        (beta + b2)/(beta + b1), eq (15b), with b1 and b2 of the flight path; 1 without drift.
 
     Raises
     ------
@@ -164,7 +164,7 @@ def triangular_limit(tau_beta: ArrayLike, dead_band: ArrayLike) -> Any:
     Parameters
     ----------
     tau_beta : array_like
-        The duration tau of the wind in units of 1/beta, positive.
+        The duration tau of the wind times the unstable pole beta, positive.
     dead_band : array_like
         K in [0, 1]; broadcasts with `tau_beta`.
 
@@ -205,7 +205,7 @@ def triangular_limit_with_drift(
     Parameters
     ----------
     tau_beta : array_like
-        The duration tau of the wind in units of 1/beta, positive.
+        The duration tau of the wind times the unstable pole beta, positive.
     dead_band : array_like
         K in [0, 1].
     beta : array_like

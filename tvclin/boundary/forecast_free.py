@@ -77,11 +77,13 @@ class UnstableCoordinates:
         deflection over B, the trim deflection per angle of attack, and `reach` [rad], ``(...)``,
         its limit. Strictly: on the edge the deflection keeps the state constant.
         """
-        first = np.abs(z[..., 0]) < reach
+        fast = z[..., 0]  # coordinate of the fastest mode
+        recoverable = np.abs(fast) < reach
         if self.poles.size == 1:
-            return first
-        low, high = self.slow_range(z[..., 0], reach)
-        return first & (low < z[..., 1]) & (z[..., 1] < high)
+            return recoverable
+        slow = z[..., 1]
+        low, high = self.slow_range(fast, reach)
+        return recoverable & (low < slow) & (slow < high)
 
     def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
         """Return both ends [rad] of the slow coordinate's recoverable range at a fast coordinate.

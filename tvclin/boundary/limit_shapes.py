@@ -109,7 +109,10 @@ class LimitShape(ABC):
 
     @property
     def inside(self) -> LimitShape:
-        """The shape; where its `gauge` takes a search, a polygon inside it of almost its size."""
+        """The shape; or a polygon inside it of almost its size, whose `gauge` takes no search.
+
+        The gauge of a vector is the minimum limit that reaches it.
+        """
         return self
 
     def reach(self, angle: ArrayLike) -> FloatArray:
@@ -125,7 +128,7 @@ class LimitShape(ABC):
         return PolygonShape(corners / self.gauge(corners).max())
 
     def inscribed(self, sides: int = _SIDES) -> PolygonShape:
-        """Return a polygon inside, with its corners on the edge: never more than the shape.
+        """Return a polygon inside, with its corners on the edge, at the `reach` in each direction.
 
         It misses 1 - cos(pi/sides) of a circle, and up to pi/sides of a corner.
 

@@ -239,7 +239,7 @@ def _requirement_after_trim(
 
     # limits above this one have no exit of the dead band: m(L) is then that of the wind's end
     without_exit = gauges.max() / K * (1.0 + _RELATIVE_TOLERANCE)
-    limit = max(limit, trimmed_minimum(without_exit, limit, False))
+    limit = max(limit, trimmed_minimum(without_exit, limit, solved=False))
     for solved in (False, True):
         while limit > minimum:
             lowest = max(K * limit, minimum)

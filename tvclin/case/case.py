@@ -237,7 +237,7 @@ class Case:
 
     @property
     def history(self) -> History:
-        """The wind [rad] as a history, a gust at the worst time for K = 1, trim up to the limit.
+        """The wind [rad] as a history, a gust at the worst time for the dead band K = 1.
 
         An ensemble gives its first wind.
         """

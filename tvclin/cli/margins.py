@@ -85,9 +85,10 @@ class JudgedMargins:
         `criteria`: criteria by which they are judged.
         """
         if plant.structure is None:
-            return cls(autopilot, plant, autopilot.margins(plant), None, criteria)
+            margins = autopilot.margins(plant)
+            return cls(autopilot, plant, whole=margins, bands=None, criteria=criteria)
         bands = autopilot.band_margins(plant)
-        return cls(autopilot, plant, bands.margins, bands, criteria)
+        return cls(autopilot, plant, whole=bands.margins, bands=bands, criteria=criteria)
 
     @property
     def judged(self) -> tuple[Judgement, ...]:

@@ -381,7 +381,8 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     Notes
     -----
     Trim, boundaries and minimum do not depend on the gains. Pure attitude hold makes the angle of
-    attack larger than the wind: in a steady wind by a0/(a0 - B), trim being B alpha.
+    attack larger than the wind: in a steady wind by a0/(a0 - B), a0 being the gain on the attitude
+    and B the ratio of trim deflection to angle of attack.
 
     Examples
     --------

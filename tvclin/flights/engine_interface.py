@@ -197,7 +197,8 @@ def verdict_of(
     def survives(limit: float) -> bool:
         """Return whether the flight with a deflection limit [rad] survives: no late fall.
 
-        A law must not fall to either side; the report's control only with the wind of that `peak`.
+        A law (`is_law`) must not fall to either side; the report's control, which holds its limit
+        for ever, only to the side to which the wind of that `peak` turns the vehicle.
         """
         rate = late_rate(limit)  # of the attitude [rad/s], at the time of the verdict
         rate_with_wind = -rate if peak > 0.0 else rate

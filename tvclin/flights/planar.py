@@ -355,7 +355,8 @@ class PlanarCase:
         def rows(times: FloatArray) -> FloatArray:
             """Return states and deflection at m times [s], ``(states + 1, m)``.
 
-            `arcs`: solutions between breakpoints, from `starts` [s] on.
+            `arcs`: solutions between breakpoints, from `starts` [s] on. The deflection is the
+            history `control` [rad] within the `limit`.
             """
             index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
             states = np.stack([arcs[k].solution(t) for k, t in zip(index, times, strict=True)], -1)

@@ -271,7 +271,7 @@ class FlexiblePlant(Shown, WithCoefficients):
         -----
         With the left eigenvector l at the pole p, the deflection per wind angle is l b_wind over
         l b_deflection, b being columns of B; for the rigid vehicle it is trim B per angle of attack
-        times K1 = (p + b2)/(p + b1), eq (15b).
+        times K1 = (p + b2)/(p + b1), eq (15b), with b1 and b2 [1/s] of its flight path.
         """
         unstable = unstable_poles(self.rigid)
         if not unstable.shape[-1] or np.any(np.isnan(unstable[..., 0])):
@@ -283,9 +283,10 @@ class FlexiblePlant(Shown, WithCoefficients):
         pole, row = left_eigenvector(A, rigid_pole)
         # effects l b on the mode of deflection, wind, and with an engine delta'' = p^2 delta
         effects = np.einsum("...i,...ij->...j", row, B)
-        from_deflection = effects[..., 0] + pole**2 * effects[..., 2:].sum(axis=-1)
+        from_wind, from_acceleration = effects[..., 1], effects[..., 2:].sum(axis=-1)
+        from_deflection = effects[..., 0] + pole**2 * from_acceleration
         rigid_ratio = wind_over_deflection(self.rigid, rigid_pole[..., np.newaxis])[..., 0]
-        relative_trim = np.abs(effects[..., 1] / from_deflection) / np.abs(rigid_ratio)
+        relative_trim = np.abs(from_wind / from_deflection) / np.abs(rigid_ratio)
         return Shift(
             fast_pole=errors.plain(100.0 * (np.abs(pole) / np.abs(rigid_pole) - 1.0)),
             trim_price=errors.plain(100.0 * (relative_trim - 1.0)),

@@ -181,7 +181,8 @@ def wind_over_deflection(plant: Plant, poles: AnyArray) -> AnyArray:
 
     `poles`: [1/s], ``(..., N)``; NaN stays NaN. It is the deflection, up to its sign, that cancels
     the effect of a unit wind angle on the mode: B K1, with trim B per angle of attack and K1 = (p +
-    b2)/(p + b1) of eq (15b). Infinite where the deflection does not control the pole.
+    b2)/(p + b1) of eq (15b), with b1 and b2 [1/s] of the flight path. Infinite where the
+    deflection does not control the pole.
     """
     from_deflection, from_wind, _ = plant.attitude_fractions(poles)
     with np.errstate(divide="ignore", invalid="ignore"):  # NaN: missing pole

@@ -59,8 +59,8 @@ def available_models(coefficients: Coefficients) -> list[str]:
 def default_model(vehicle: AnyVehicle | Coefficients) -> str:
     """Return the default model of a vehicle, or "fixed-path" for an unknown flight path.
 
-    It is `DEFAULT_MODEL`, "drift-exact". The path of `Coefficients` is unknown where C1, C2, b1, b2
-    and q are all zero.
+    It is `DEFAULT_MODEL`, "drift-exact". The path of `Coefficients` is unknown where its own
+    coefficients, C1, C2, b1, b2 and q of eq (B7), are all zero.
     """
     if isinstance(vehicle, LinearVehicle):
         return DEFAULT_MODEL if vehicle.path_known else FIXED_PATH
@@ -221,8 +221,9 @@ class Plant(WithCoefficients):
     def with_effectiveness(self, factor: ArrayLike) -> Plant:
         """Return the plant with control moment and control force multiplied by `factor`.
 
-        Only mu_delta is multiplied: the thrust T is proportional to it in the plant, by T/(m V_n) =
-        (b1 - C1) mu_delta/mu_alpha of eq (B7). `InputError` for a factor that is not positive.
+        Only mu_delta, the moment per deflection over the inertia, is multiplied: the control force
+        T is proportional to it in the plant, by T/(m V_n) = (b1 - C1) mu_delta/mu_alpha, eq (B7).
+        `InputError` for a factor that is not positive.
         """
         c, multiple = self.coefficients, positive("factor", factor)
         with np.errstate(over="ignore"):  # an overflow is refused below
@@ -357,7 +358,8 @@ class Plant(WithCoefficients):
         """Return a transfer function as `control.TransferFunction`.
 
         From the deflection to the attitude it is -(beta^2/B)/(s^2 - beta^2) for eq (5) and
-        -(beta^2/B)(s + b1)/(s (s^2 - beta^2)) for eq (B8), without damping. Ask for one pair of
+        -(beta^2/B)(s + b1)/(s (s^2 - beta^2)) for eq (B8), without damping: unstable pole beta and
+        b1 of the flight path [1/s], trim deflection B per angle of attack. Ask for one pair of
         signals at a time: sums of transfer functions of one plant repeat its poles, `ss` does not.
         `output`, `input`: names of the signals, of `outputs` and of `inputs`. `InputError` for a
         batch, and for signals that the model does not have.
@@ -407,11 +409,11 @@ class Plant(WithCoefficients):
         speed = self._velocity(signal)
         if signal == "drift_rate":
             return speed * C[..., 2, :], speed * D[..., 2, :]  # output 2: flight path angle
-        # N/m and T_c/m [m/s^2]; state 1 is the attitude rate, output -1 alpha, input 0 delta
-        normal, thrust = (speed * force for force in self._normal_forces)
-        direct = normal * D[..., -1, :] + station * B[..., 1, :]
-        direct[..., 0] += thrust[..., 0]
-        return normal * C[..., -1, :] + station * A[..., 1, :], direct
+        normal, thrust = (speed * force for force in self._normal_forces)  # N/m, T_c/m [m/s^2]
+        rate, alpha, deflection = 1, -1, 0  # of the states, the outputs and the inputs
+        direct = normal * D[..., alpha, :] + station * B[..., rate, :]
+        direct[..., deflection] += thrust[..., 0]
+        return normal * C[..., alpha, :] + station * A[..., rate, :], direct
 
     def lateral_numerator(self, signal: str, input: str, station: float) -> FloatArray:
         """Return the numerator from `input` to a lateral signal, highest power of s first.
@@ -568,7 +570,8 @@ class Plant(WithCoefficients):
     def _path(self) -> _PathCoefficients:
         """Coefficients a, h, d, w [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w.
 
-        They follow from eq (B7), in the model "drift" from eq (B8). `InputError` for mu_alpha = 0.
+        Equation of the flight path angle gamma, with attitude theta and deflection delta: eq (B7),
+        in the model "drift" eq (B8). `InputError` for no aerodynamic moment, mu_alpha = 0.
         """
         c = self.coefficients
         if self.model == "drift":

@@ -124,7 +124,8 @@ class SystemPlant(Plant):
         """Set the fields of the frozen record; missing coefficients follow from an output moment.
 
         `system`: system with the signals of a plant, first deflection and wind. The direct terms of
-        its output moment [1/s^2] are -mu_delta and -mu_alpha. `model`: name of the model.
+        its output moment, the moment over the inertia [1/s^2], from these two are minus the
+        coefficients mu_delta and mu_alpha. `model`: name of the model.
         """
         if coefficients is None and MOMENT in system.outputs:
             row = system.D[..., system.outputs.index(MOMENT), :]

@@ -180,7 +180,10 @@ def flown_trade_offs(
     done = 0
 
     def advanced(winds: int, total_winds: int) -> None:
-        """Report progress: `winds` of `total_winds` winds of the boundary in work are flown."""
+        """Report progress, of `total` boundaries: `done` ones, and a fraction of the present one.
+
+        Of that `winds` of `total_winds` winds are flown.
+        """
         if progress is not None:
             progress(done + winds / total_winds, total)
 

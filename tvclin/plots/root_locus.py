@@ -420,7 +420,7 @@ def root_locus_chart(
         shape, colour = MODE
         begun: Any = {"shape": shape, "name": "modes in the vehicle (factor 0)", "colour": colour}
         named = [Mark(mode.pole.real, mode.pole.imag, mode.name, **begun) for mode in samples.modes]
-        shown.append([*(numbered(mark, False) for mark in marks), *named_once(named)])
+        shown.append([*(numbered(mark, with_number=False) for mark in marks), *named_once(named)])
     for axes, drawn in zip(panels, shown, strict=True):
         lines += draw_marks(axes, drawn)
     name = "Root locus of the loop gain"

@@ -70,13 +70,14 @@ class Curves:
         `case`, `position`: index of the wind, and position in steps, of each value.
         """
         step, u = self._step(position)
-        length = self.times[case, step, 2] - self.times[case, step, 0]
+        begin, _, end = np.moveaxis(self.times[case, step], -1, 0)  # with the middle
+        length = end - begin
         return _cubic(self.demand[case, step], self.demand_slope[case, step], length, u)
 
     def time_at(self, case: IndexArray, position: FloatArray) -> FloatArray:
         """Return the times [s] of cases at positions in steps: 2.5 is the middle of the third."""
         step, u = self._step(position)
-        begin, end = self.times[case, step, 0], self.times[case, step, 2]
+        begin, _, end = np.moveaxis(self.times[case, step], -1, 0)  # with the middle
         return np.asarray(begin + u * (end - begin))
 
     def _step(self, position: FloatArray) -> tuple[IndexArray, FloatArray]:

@@ -114,7 +114,7 @@ class Encounter(Protocol):
         """A history with the breakpoints and rates of the wind."""
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles of attack [rad] and ratios q/q_n at `times` [s], in their shape."""
+        """Return wind angles [rad] and dynamic pressures over the nominal one at `times` [s]."""
 
 
 def step_counts(wind: History, motion: Motion) -> FloatArray:
@@ -309,8 +309,8 @@ def varying_requirement(
     # on the real mode `reverses`; then the minimum peaks alone do
     demand_bounds = has_real_mode & ~equations.reverses
     fastest_minimum = np.where(demand_bounds, np.abs(trim_and_demand.onset_demand), 0.0)
-    # minimum peaks from the onset on; for K < 1 the limit with which trim leaves the dead band K
-    # and survives, and when it does
+    # minimum peaks of any control from the onset on; for K < 1 the limit with which the vehicle
+    # survives if trim leaves the dead band at K times it, and the time of this exit
     peaks, limit, time = _peaks_and_exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(fastest_minimum, peaks)
     paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)

@@ -39,7 +39,7 @@ def _number(kind: str, name: str, check: Callable[..., Any] = errors.finite) -> 
 def _if_unstable(name: str) -> Callable[[Any], Any]:
     """Return a function of `Coefficients` that returns their property `name` for tables.
 
-    It returns None unless all vehicles of the batch are unstable, mu_alpha > 0.
+    It returns None unless all vehicles of the batch are unstable: aerodynamic moment mu_alpha > 0.
     """
     return lambda c: getattr(c, name) if np.all(np.asarray(c.mu_alpha) > 0.0) else None
 
@@ -165,8 +165,9 @@ class Coefficients(Record):
 
     @classmethod
     def from_beta(cls, *, beta: Real, B: Real, **others: Any) -> Self:
-        """Return the coefficients with mu_alpha = beta^2 and mu_delta = beta^2/B.
+        """Return the coefficients with mu_alpha = beta^2 and mu_delta = beta^2/B [1/s^2].
 
+        They are the moments per angle of attack and per deflection over the inertia.
         `beta`: vehicle response parameter [1/s], positive, eq (B4). `B`: trim deflection per angle
         of attack, not zero, eq (2). `others`: C1, C2, b1, b2, q, damping, velocity and name.
         """
@@ -211,7 +212,8 @@ class Coefficients(Record):
     def pole(self) -> Real:
         """Unstable pole p [1/s] on a fixed path, p (p + damping) = mu_alpha.
 
-        It is beta without damping, and smaller with it; the other pole is -(p + damping).
+        It is beta = sqrt(mu_alpha) without damping, and smaller with it; the other pole is -(p +
+        damping). mu_alpha [1/s^2]: aerodynamic moment per angle of attack over the inertia.
         `InputError` for an aerodynamically stable vehicle.
         """
         beta, half = np.asarray(self.beta), np.asarray(self.damping) / 2.0
@@ -227,7 +229,11 @@ class Coefficients(Record):
     @property
     @derived()
     def B(self) -> Real:
-        """Trim deflection per angle of attack B = N l_a/(T l_c), eq (2)."""
+        """Trim deflection per angle of attack B = N l_a/(T l_c), eq (2).
+
+        N, T: lift per angle of attack and thrust. l_a, l_c: arms of both from the centre of
+        gravity.
+        """
         return self.mu_alpha / self.mu_delta
 
     @property

@@ -42,7 +42,8 @@ def _coefficient(name: str, label: str = "") -> Field:
 
     def value(vehicle: LinearVehicle) -> Any:
         """Return the coefficient `name` of a vehicle; None if it is unknown or a zero damping."""
-        has_value = vehicle.path_known or name not in _PATH_COEFFICIENTS  # C1, C2, b1, b2 and q
+        # coefficients of the flight path, C1, C2, b1, b2 and q, are unknown together
+        has_value = vehicle.path_known or name not in _PATH_COEFFICIENTS
         number = getattr(vehicle.coefficients, name)
         return number if has_value and (number or name != "damping") else None
 

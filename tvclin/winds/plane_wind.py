@@ -185,8 +185,8 @@ class PlaneWind:
     def peak(self) -> FloatArray:
         """Largest size of the wind vector [rad], shape ``batch``.
 
-        The peaks of pitch and yaw may be at different times: it belongs to the component along its
-        direction, or, where the direction changes, the root of the peak of the squared size.
+        Of a wind of one direction it is the peak of the component in that direction; else the root
+        of the peak of the squared size, as pitch and yaw may have their peaks at different times.
         """
         along_direction = np.abs(self.component(self.direction).peak)
         if np.all(self.unidirectional):

@@ -247,16 +247,16 @@ class LoadProgram:
             return sparse.hstack([rows[:, :-1], np.full((rows.shape[0], 1), -float(minimised))])
 
         identity = sparse.eye(unknowns, count, format="csr")
-        parts = [under(loads, aim == LOAD), under(-loads, aim == LOAD)]
+        parts = [under(rows, minimised=aim == LOAD) for rows in (loads, -loads)]
         load_bound = bound / self._unit if aim == PEAK else 0.0
         values = [load_bound - high, load_bound + low]
         if aim == PEAK:
-            parts += [under(identity, True), under(-identity, True)]
+            parts += [under(rows, minimised=True) for rows in (identity, -identity)]
             values += [np.zeros(2 * unknowns)]
         else:
             wide, fraction = self._static_bounds
             static = identity[wide] * (1.0 / fraction)
-            parts += [under(static, True), under(-static, True)]
+            parts += [under(rows, minimised=True) for rows in (static, -static)]
             values += [np.zeros(2 * wide.size)]
         if np.isfinite(self.case.rate):
             first, last = self._levels  # from variables to deflections at starts, ends of cells

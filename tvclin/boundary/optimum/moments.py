@@ -360,8 +360,9 @@ class SignedSum:
     def residual(self) -> float:
         """Largest violation of the conditions of survival by the deflection norm sgn(lambda . e).
 
-        Condition i: the integral of deflection times e_i is the demand i of the wind [rad s]. The
-        violation is relative to the sum of the terms' sizes.
+        Condition i: the integral of deflection times e_i, the exponential of pole i, is the demand
+        i of the wind [rad s]. lambda: multipliers; norm: L1 norm of lambda . e, here the peak
+        [rad]. The violation is relative to the sum of the terms' sizes.
         """
         demands = self.window.constraints.demands
         with np.errstate(over="ignore", invalid="ignore"):  # multipliers may be beyond all measure

@@ -136,7 +136,7 @@ class Actuator(Record):
         The input is the command [rad]; the states are the deflection [rad] and, of second order,
         its rate [rad/s]; the output is the deflection. With the `denominator` s^2 + 2 zeta w s +
         w^2 or s + w the last row of A has its coefficients, negative and lowest first, and B has
-        the last of them, w^2 or w.
+        the last of them, w^2 or w: natural frequency w [rad/s], damping ratio zeta.
         """
         order = self.denominator.shape[-1] - 1
         A = np.zeros((*self.batch, order, order)) + np.eye(order, k=1)

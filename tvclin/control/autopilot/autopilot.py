@@ -236,10 +236,11 @@ class Autopilot(Feedback):
         Returns
         -------
         control.StateSpace
-            From deflection_command to returned_command [rad]. The sign is such that the closed
-            loop is 1 + L = 0: on a fixed path, eq (5) of Borsody and Teren, L = (a0 + a1 s)
-            mu_delta/(s^2 - mu_alpha). With a sample rate it is the loop in steps of a sample, in
-            which the delay is exact.
+            From deflection_command to returned_command [rad]. The sign is such that the closed loop
+            is 1 + L = 0: on a fixed path, eq (5) of Borsody and Teren, L = (a0 + a1 s)
+            mu_delta/(s^2 - mu_alpha), with the moments mu_alpha per angle of attack and mu_delta
+            per deflection, over the inertia. With a sample rate it is the loop in steps of a
+            sample, in which the delay is exact.
 
         Raises
         ------

@@ -376,9 +376,10 @@ def stable_ranges(
     mode_count = len(names)
 
     def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
-        """Return whether the loop is unstable or marginal with factors on modes, ``(m, n)``.
+        """Return whether the `autopilot` around the `plant` is unstable or marginal, ``(m, n)``.
 
-        `factors`: on a mode's frequency, ``(m, n)``. `modes`: index of each row's mode, ``(m,)``.
+        `factors`: on the frequency of one mode in each row, ``(m, n)``. `modes`: index of each
+        row's mode, ``(m,)``.
         """
         frequency = np.ones((factors.size, mode_count))
         frequency[np.arange(factors.size), np.repeat(modes, factors.shape[1])] = factors.ravel()

@@ -487,7 +487,7 @@ def design_at(design: AutopilotDesign, flight: FlightSchedule, time: float) -> A
     if not table.gains:  # then the table has only notches at modes
         notches = tuple(notch.at(flight, time) for notch in table.notches)
         return replace(constant, filters=(*design.filters, *notches))
-    autopilot = _tabulated(table, constant, None).along(flight, time)
+    autopilot = _tabulated(table, constant, actuator=None).along(flight, time)
     return replace(constant, **{k: getattr(autopilot, k) for k in (*table.gains, *CHAINS)})
 
 

@@ -51,7 +51,7 @@ def canonical_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
     On a fixed path, eq (5) of Borsody and Teren, without actuator and delay, the closed loop is s^2
     + beta s + beta^2 with beta = sqrt(mu_alpha): natural frequency beta, damping ratio 0.5. A
     damping d of the vehicle comes on top: (beta + d) s. B is the trim deflection per angle of
-    attack.
+    attack, mu_alpha the aerodynamic moment per angle of attack over the inertia.
 
     Parameters
     ----------
@@ -121,6 +121,8 @@ def relief_gains(
 
         a0 = ratio omega_n^2/mu_delta,    a0 + b0 = (omega_n^2 + mu_alpha)/mu_delta
 
+    mu_alpha and mu_delta are the moments per angle of attack and per deflection over the inertia.
+
     Parameters
     ----------
     plant : Plant, FlexiblePlant, vehicle or Coefficients
@@ -130,7 +132,7 @@ def relief_gains(
     alpha_ratio : array_like
         Magnitude of alpha/alpha_w when the attitude has settled in a steady wind and the flight
         path has not yet changed, zero or positive. Pure attitude hold has 1 + mu_alpha/omega_n^2 =
-        a0/(a0 - B), above one.
+        a0/(a0 - B), above one, B being trim deflection per angle of attack.
     **options
         The other arguments of `Autopilot`: actuator, delay, and so on.
 

@@ -174,7 +174,7 @@ class Sweep(Tabled):
 
     @property
     def _judged(self) -> tuple[Judgement, ...]:
-        """Judgements of the nominal loop, then of those with changes."""
+        """Judgements of the nominal loop, then of loops with a changed mode."""
         return (*self.judgements, *self.detuned_judgements)
 
     def time_table(self, rows: int | None = None) -> Table:

@@ -113,7 +113,7 @@ class EstimatedLaw(Law):
     plant: Plant
 
     def __post_init__(self) -> None:
-        """Check that the law has no estimator, and take its switching levels."""
+        """Check that the law has no estimator, and take over its levels `engage` and `release`."""
         errors.instance("law", self.law, Law, "such as SaturatedLaw")
         errors.instance("estimator", self.estimator, WindEstimator, "see WindEstimator")
         if isinstance(self.law, SystemLaw):
@@ -125,7 +125,9 @@ class EstimatedLaw(Law):
             raise errors.InputError(
                 "law has an estimator already; give it the angle of attack of one"
             )
-        self.estimator.states(self.plant)  # raises for a batch, and a plant without mu_alpha
+        self.estimator.states(
+            self.plant
+        )  # raises for a batch, and a plant without aerodynamic moment
         for name in ("engage", "release"):
             object.__setattr__(self, name, getattr(self.law, name))
 

@@ -145,5 +145,8 @@ class DeadBandLaw(TrimLaw):
 
     @property
     def release(self) -> float:  # type: ignore[override]
-        """Demand over the limit at which the full limit is released: 0.9 K, against chatter."""
+        """Demand over the limit at which the full limit is released: 0.9 of the dead band K.
+
+        Below `engage`, against chatter.
+        """
         return _RELEASE_OVER_DEAD_BAND * self.dead_band

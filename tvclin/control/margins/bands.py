@@ -88,7 +88,8 @@ class Terms:
         `omega`: frequencies [rad/s], ``(k, m)``. `values`: L at these frequencies, if known.
         """
         values = self.values(omega) if values is None else values
-        nu = np.imag(self.loop.s_to_w(1j * omega))  # frequency of the w plane if sampled
+        # of the variable of the partial fractions: s, or if sampled w of the bilinear rule
+        nu = np.imag(self.loop.s_to_w(1j * omega))
         s = 1j * nu[:, np.newaxis]
         p, r = self.poles[..., np.newaxis], self.residues[..., np.newaxis]
         with np.errstate(all="ignore"):
@@ -146,7 +147,10 @@ def mode_peak(terms: Terms, k: int) -> tuple[FloatArray, FloatArray]:
         form = terms.form.take(owned)
 
         def negative_gain(frequency: FloatArray) -> FloatArray:
-            """Return -|L| of the loops in which the mode owns a frequency, to be minimised."""
+            """Return -|L|, to be minimised, of the loops in which the mode owns a frequency.
+
+            `frequency`: of the variable of `form`, the loops' partial fractions, ``(owned, ...)``.
+            """
             numerator, denominator = form.parts(frequency)
             return -np.abs(numerator / denominator)
 

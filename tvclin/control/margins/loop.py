@@ -254,8 +254,8 @@ class Loop:
     def _values(self, omega: FloatArray) -> ComplexArray:
         """Return L ``(k, m)`` of k loops at `omega` ``(k, m)``; infinite at a pole.
 
-        `omega`: imaginary part of the variable of `form`: frequencies [rad/s] of a continuous loop,
-        those of the w plane of a sampled one.
+        `omega`: imaginary part of the variable of `form`: frequency [rad/s] of a continuous loop;
+        of a sampled one the frequency of w = (2/h)(z - 1)/(z + 1), h being the sample period [s].
         """
         numerator, denominator = self.form.parts(omega)
         pole = (denominator == 0.0) & (numerator != 0.0)
@@ -375,12 +375,12 @@ class SampledLoop(Loop):
         def frequency(nu: FloatArray) -> FloatArray:
             """Return frequencies (2/h) arctan(nu h/2) [rad/s] of nu, where w = j nu, ``(k, ...)``.
 
-            nu has a row for each of k loops, and h is their sample period.
+            nu has a row for each of k loops, and h is their sample period, twice `half`.
             """
             column = half.reshape(-1, *(1,) * (nu.ndim - 1))
             return np.arctan(nu * column) / column
 
-        peaks = w_plane.peaks.copy()  # pairs of a peak and its frequency
+        peaks = w_plane.peaks.copy()  # (..., 2): a peak, and its frequency, which is converted
         peaks[..., 1] = frequency(peaks[..., 1])
         omega = frequency(w_plane.gain_frequencies)
         margins = np.full_like(omega, np.nan)
@@ -455,7 +455,7 @@ class SampledLoop(Loop):
         """Return the smallest further delay [s] that makes a loop unstable, at most `maximum`.
 
         `case`: index of the loop in the flattened batch. Near half the sample rate |L| depends on
-        the delay's fraction of a sample, so that it may reach one at a frequency at which the
+        the delay's fraction of a sample, so that it may become one at a frequency at which the
         present |L| is smaller. So delays are tried, and the interval before the first unstable one
         is divided again.
         """

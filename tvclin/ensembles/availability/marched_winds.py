@@ -127,13 +127,14 @@ class PlaneMarch:
         return march.limit_of_trim_law(paired, sign)
 
     def bounds(self, winds: LineWinds) -> Bounds:
-        """Return bounds of the required deflections [rad] of n winds.
+        """Return bounds of the required deflections [rad] of n winds, by trim and demand over time.
 
         Both bounds are max(min(trim, demand)), unless flights of the trim law would decide
         (`time_varying.decided_by_flights`). These are not flown here, but for one with the limit
         `highest`, which the law never reaches, where the law may diverge with it: the upper bound
-        is infinite then. With a quick path (b1 negative, or a second pole comparable with the
-        fastest) or a moment of changing sign no multiple of the limit bounds the requirement.
+        is infinite then. `lowest`: lowest limit with which a flight may survive. With a quick path
+        (b1 negative, or a second pole comparable with the fastest) or a moment of changing sign no
+        multiple of the limit bounds the requirement.
         """
         stepped = self.stepped(winds)
         equations, march = stepped.equations, stepped.curves()  # trim and demand over time
@@ -145,7 +146,7 @@ class PlaneMarch:
             minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])
         flown, lowest = time_varying.decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
-        # a flight requires at most a measured multiple of the limit, and no more than `highest`
+        # a flight requires at most 1.2 times the limit, as was measured, and at most `highest`
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
         if np.any(equations.quick_path | equations.changes_sign) or self._law_may_diverge:
             upper = np.maximum(limit, highest)

@@ -229,10 +229,11 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
 
     # all cases at once, halved by `divide` until each refused one is by itself; then, one by one,
     # outputs that take a single case
-    divide(lambda which: answer(which, False), refused, np.flatnonzero(cases.possible))
+    possible = np.flatnonzero(cases.possible)
+    divide(lambda which: answer(which, case_by_case=False), refused, possible)
     if any(REGISTRY[name].case_by_case(campaign) for name in campaign.outputs):
-        for case in np.flatnonzero(cases.possible):
-            divide(lambda which: answer(which, True), refused, np.array([case]))
+        for case in possible:
+            divide(lambda which: answer(which, case_by_case=True), refused, np.array([case]))
     _count_unknown(answers, status)
     return {"case": index, **cases.values, **answers, "status": status}
 

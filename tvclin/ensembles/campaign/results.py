@@ -207,7 +207,7 @@ class CampaignResults(Tabled):
             return None
         limit = number("limit", limit, small_angle("a deflection"), "rad")
         answers = self.answers(output)
-        _, confidence = self._level(None, confidence)
+        _, confidence = self._level(probability=None, confidence=confidence)
         return statistics.success_probability(
             int(np.sum(answers <= limit)), answers.size, confidence
         )
@@ -244,7 +244,7 @@ class CampaignResults(Tabled):
             return None
         survived, losses = self.flights
         total = survived + losses + self.statuses().get(UNDECIDED, 0)
-        _, confidence = self._level(None, confidence)
+        _, confidence = self._level(probability=None, confidence=confidence)
         count = losses if lost else survived
         return statistics.success_probability(count, total, confidence) if total else None
 

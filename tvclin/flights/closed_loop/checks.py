@@ -70,37 +70,37 @@ def check_sample_rates(sample_rate: ArrayLike, actuator: Actuator | None) -> Flo
     return rates
 
 
-def check_delays(delay: ArrayLike, length: FloatArray) -> FloatArray:
+def check_delays(delay: ArrayLike, period: FloatArray) -> FloatArray:
     """Return computing delays [s]; `InputError` if one is negative or longer than 10000 samples.
 
-    `length`: sample periods [s], which broadcast with the delays.
+    `period`: sample periods [s], which broadcast with the delays.
     """
     delays = errors.nonnegative("delay", delay, "s")
-    errors.together(delay=delays, sample_rate=length)
-    if np.any(delays > MAX_DELAY_SAMPLES * length):
+    errors.together(delay=delays, sample_rate=period)
+    if np.any(delays > MAX_DELAY_SAMPLES * period):
         raise errors.InputError(
             f"delay must be at most {MAX_DELAY_SAMPLES} samples; got"
-            f" {errors.shown(errors.plain(delays))} s at {1.0 / float(length.min()):.6g} Hz"
+            f" {errors.shown(errors.plain(delays))} s at {1.0 / float(period.min()):.6g} Hz"
         )
     return delays
 
 
-def check_samples(span: float, length: float) -> None:
-    """Raise `InputError` if a time `span` [s] has too many samples of a period `length` [s]."""
-    if not span / length <= MAX_SAMPLES:
+def check_samples(span: float, period: float) -> None:
+    """Raise `InputError` if a time `span` [s] has too many samples of a period `period` [s]."""
+    if not span / period <= MAX_SAMPLES:
         raise errors.InputError(
             f"a flight may have at most {MAX_SAMPLES} samples; {span:.6g} s at"
-            f" {1.0 / length:.6g} Hz are more: take a lower sample_rate, or an earlier end"
+            f" {1.0 / period:.6g} Hz are more: take a lower sample_rate, or an earlier end"
         )
 
 
-def check_fastest_pole(plant: AnyPlant, length: float) -> None:
-    """Raise `InputError` if a pole of a plant is too fast for a sample period `length` [s]."""
+def check_fastest_pole(plant: AnyPlant, period: float) -> None:
+    """Raise `InputError` if a pole of a plant is too fast for a sample period `period` [s]."""
     pole = float(fastest_poles(plant))
-    if not pole * length <= MAX_POLE_TIMES_SAMPLE:
+    if not pole * period <= MAX_POLE_TIMES_SAMPLE:
         raise errors.InputError(
             f"sample_rate must be at least {pole / MAX_POLE_TIMES_SAMPLE:.6g} Hz for a plant that"
-            f" moves with {pole:.6g} 1/s; got {1.0 / length:.6g} Hz"
+            f" moves with {pole:.6g} 1/s; got {1.0 / period:.6g} Hz"
         )
 
 

@@ -380,8 +380,8 @@ class _Flights:
     def survive(self, name: str, values: FloatArray) -> NDArray[np.str_]:
         """Return the status over all winds for each value of a change, ``(n,)``.
 
-        The status is the first other than "survived" in a wind. A rigid vehicle that rings counts
-        as surviving: its loop is unstable in the linear range, which the linear margin has. `name`:
+        The status is the first other than "survived" in a wind. A rigid vehicle that "rings", in a
+        limit cycle, counts as surviving: that its loop is unstable is in the linear margin. `name`:
         name of the change, see `CHANGES`. `values`: factors above one, by which a quantity that
         falls is divided, or further delays [s].
         """

@@ -249,7 +249,8 @@ class LinearEquations:
         """
         del t
         A, B, _, _ = self._system.matrices()
-        return A @ x + B[:, 0] * deflection + B[:, 1] * gust
+        by_deflection, by_wind = B.T[:2]  # the first two inputs
+        return A @ x + by_deflection * deflection + by_wind * gust
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
         """Return theta - gamma - alpha_w [rad] at times `t` [s], which are not used.

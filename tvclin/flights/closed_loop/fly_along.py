@@ -377,7 +377,8 @@ def tracked_states(f: Flights, limit: float) -> tuple[FloatArray, FloatArray, Fl
     y = np.concatenate([f.track[::per_sample, :order], f.now.y])
     count, n = len(y), f.vehicles.A.shape[1]
     samples = np.arange(count, dtype=float)
-    times: FloatArray = float(f.cases.start[0]) + float(f.steps.lengths[0, 0]) * samples
+    period = float(f.steps.lengths[0, 0])  # of a sample, before the lengths of its parts [s]
+    times: FloatArray = float(f.cases.start[0]) + period * samples
     deflection = np.clip(y[:, n], -limit, limit)
     rates = y[:, n + 1] if order > n + 1 else np.gradient(deflection, times)
     return times, np.column_stack([y[:, :n], deflection]), rates

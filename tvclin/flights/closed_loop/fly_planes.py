@@ -96,8 +96,8 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
 
     `pair`: arrays of the flights in pitch and in yaw. `law`: law of both planes, with the limit
     shape. `limit`: limits of the vector [rad], ``(m,)``. Vectors are complex, pitch + j yaw. The
-    gauge of the shape is the size of a vector over the unit limit. Each plane gets its component of
-    the limited command, which no limiter of a plane changes.
+    gauge of a vector [rad] is the limit whose shape it just reaches. Each plane gets its component
+    of the limited command, which no limiter of a plane changes.
     """
     m, order, limit_shape = limit.size, len(law.law.states[0]), law.shape
     outcomes = PlaneOutcomes(
@@ -378,9 +378,9 @@ def flown_plane_limit(
     (0.68, 0.63)
     """
     # checks alone, before the wind is used
-    _plants(plant, None)
+    _plants(plant, yaw_plant=None)
     LawInPlanes(law, limit_shape, saturate)
-    _check(wind, None)
+    _check(wind, actuator=None)
     low, high = (number(n, v, positive) for n, v in (("lowest", lowest), ("highest", highest)))
     if low >= high:
         raise InputError(f"highest must be above lowest; got {high:.6g} and {low:.6g}")
@@ -440,7 +440,7 @@ def _record(
     over time are of a single flight, else empty. `start`: start of the flights [s]. `period`:
     sample period [s]. `shape`: shape of the limits.
     """
-    shown = np.array(outcomes.shown).reshape(-1, 2)
+    attitude, deflection = np.array(outcomes.shown).reshape(-1, 2).T  # complex, by sample
     end: FloatArray = np.asarray(start + outcomes.ended * period)
     return FlownPlanes(
         peak_attitude=outcomes.attitude.reshape(shape),
@@ -448,7 +448,7 @@ def _record(
         saturated_time_fraction=(outcomes.saturated / np.maximum(outcomes.ended, 1)).reshape(shape),
         end_time=end.reshape(shape),
         status=np.array(STATUS)[outcomes.outcome].reshape(shape),
-        time=np.asarray(start + period * np.arange(len(shown))),
-        attitude=shown[:, 0],
-        deflection=shown[:, 1],
+        time=np.asarray(start + period * np.arange(attitude.size)),
+        attitude=attitude,
+        deflection=deflection,
     )

@@ -195,10 +195,10 @@ def _vector_flight(
 ) -> FlightAlong:
     """Return the outputs of a flight in both planes from those in each, with the common status.
 
-    The deflection is in the measure (`gauge`) of the limit shape, the rate the larger of both
-    planes, and the others are magnitudes of vectors. A flight that survives with a deflection
-    beyond the limit becomes "outside", which is not known. `by_plane`: flights in pitch and yaw.
-    `shape`: limit shape of unit limit. `limit`: deflection limit [rad].
+    The deflection is the limit whose shape the vector just reaches (`gauge`), the rate the larger
+    of both planes, and the others are magnitudes of vectors. A flight that survives with a
+    deflection beyond the limit becomes "outside", which is not known. `by_plane`: flights in pitch
+    and yaw. `shape`: limit shape of unit limit. `limit`: deflection limit [rad].
     """
     pitch, yaw = (by_plane[plane] for plane in PLANES)
     outputs = {

@@ -31,9 +31,9 @@ _RELATIVE_TOLERANCE = 1e-6
 def finish_by_modes(f: Flights, batch: Batch) -> None:
     """Step flights to their ends, in place; those that remain linear end when this is known.
 
-    Flights with the same ends as of `finish`, but for those that are undecided ten settling times
-    after their wind, and whose modes decay within the limits: they survive, and end there. `f`:
-    arrays of the flights at their starts, changed in place. `batch`: the flights.
+    A flight that is undecided ten settling times after its wind ends there and survives, if its
+    modes decay within the limits; all others end as by `finish`. `f`: arrays of the flights at
+    their starts, changed in place. `batch`: the flights.
     """
     # numbers of samples after the wind: until a flight is undecided, and until its modes decide,
     # at the next sample at which flights are judged

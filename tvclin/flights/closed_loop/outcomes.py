@@ -62,7 +62,7 @@ def decidable(plant: AnyPlant) -> BoolArray:
     They have for one or two real unstable poles and a control moment, where the reach of the
     recoverable set, its largest unstable coordinate over the limit, is finite and positive.
     """
-    _, _, reach = _unstable_poles(plant)  # 1/|B|, the angle of attack that a unit deflection trims
+    _, _, reach = _unstable_poles(plant)  # angle of attack that a unit deflection trims
     return (np.isfinite(reach) & (reach > 0.0)).reshape(plant.batch)
 
 

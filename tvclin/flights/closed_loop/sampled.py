@@ -217,7 +217,7 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     at = _substeps(f, system, n, times)  # the substep of each time, and whether it is limited
     rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
-        return Tracked(rows, None, None)
+        return Tracked(rows, rate=None, acceleration=None)
     # state n is the nozzle, after those of the plant; the first input is the command
     derivatives = system.A @ at.unlimited + system.B[:, :1] * at.command
     before = times < at.onset  # at rest
@@ -259,7 +259,8 @@ def _rows(
         ramp = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.distinct).A
         limited = at.stepped(ramp, np.column_stack([vehicle, first, slope]))[:n]
         rows[:n] = np.where(at.bounded, limited, rows[:n])
-    rows[:n] += _wind_response(bare.A, bare.B[:, 1], wind, at)
+    gust = bare.B[:, 1]  # column of the wind
+    rows[:n] += _wind_response(bare.A, gust, wind, at)
     position = at.command if actuator is None else np.clip(at.unlimited[n], -at.limit, at.limit)
     rows[n] = np.where(at.bounded, first + slope * at.u, position)  # u: time in the substep [s]
     return np.where(times < at.onset, 0.0, rows)
@@ -324,7 +325,8 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
     distinct, which = np.unique(np.round(u, _TIME_DECIMALS), return_inverse=True)
     y, (command, last, bounded) = track[row, :N], track[row, N:-1].T
     # the last row ends with the last of the samples, whose number is `ended`
-    end = f.cases.start[0] + f.steps.lengths[0, 0] * f.now.ended[0]
+    period = f.steps.lengths[0, 0]  # of a sample, before the lengths of its parts [s]
+    end = f.cases.start[0] + period * f.now.ended[0]
     lengths = np.diff(begins, append=end)[row]
     first = np.clip(y[:, n], -limit, limit)
     at = _Substeps(

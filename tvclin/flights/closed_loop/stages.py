@@ -244,8 +244,8 @@ class Stages:
         the arrival of a delayed command.
         """
         count = self.times.size
-        length, delay = (np.full(count, float(x)) for x in (self.period, self.hardware.delay))
-        timing = Timing.of(self.hardware, (count,), length, delay)
+        period, delay = (np.full(count, float(x)) for x in (self.period, self.hardware.delay))
+        timing = Timing.of(self.hardware, (count,), period, delay)
         return timing._replace(
             substeps=np.broadcast_to(timing.substeps.max(axis=0), timing.substeps.shape).copy()
         )
@@ -467,7 +467,7 @@ class Stages:
             arrays["fine"] = steps.fine
         if middle:
             plant_in_middle = at_place(len(places) - 1)
-            gust_input = plant_in_middle.B[..., 1]
+            gust_input = plant_in_middle.B[..., 1]  # column of the wind
             arrays |= {"A": plant_in_middle.A, "gust": np.ascontiguousarray(gust_input)}
         return arrays
 
@@ -475,8 +475,8 @@ class Stages:
     def _criteria(self) -> dict[str, FloatArray]:
         """Criteria of loss and survival at all samples, by their names in `Vehicles`.
 
-        "judges": rows that give the unstable coordinates of the loop's states. "reach": 1/|B|, the
-        largest coordinate that a unit limit recovers. "ratio": the slower unstable pole over the
+        "judges": rows that give the unstable coordinates of the loop's states. "reach": the largest
+        coordinate that a unit limit recovers. "ratio": the slower unstable pole over the
         fastest, or zero. They are NaN at samples at which no flight is judged: each is judged every
         `JUDGED_SAMPLES` samples after its wind, or in its last seconds.
         """

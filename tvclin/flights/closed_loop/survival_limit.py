@@ -487,7 +487,7 @@ def boundary_map(
     plant, law, wind
         Same as in `closed_loop_boundary`.
     gains : array_like
-        Factors on the demand of the law, positive and rising, ``(n,)``.
+        Factors on the demanded deflection of the law, positive and ascending, ``(n,)``.
     delays : array_like
         Computing delays [s], rising, ``(m,)``.
     rate_limit, actuator, sample_rate, cuts, lowest, highest

@@ -120,7 +120,9 @@ def autopilot_requirements(
             placed = place(by_name[name], flight.at(time).rigid, time, placed_as[name], width)
             for wind in _encountered(sizing, placed, plane, signs):
                 begin = max(float(wind.history.onset), flight.span[0])
-                along = checked_flight(flight, autopilot, wind, begin, None, sizing.model, plane)
+                along = checked_flight(
+                    flight, autopilot, wind, begin, stop=None, model=sizing.model, plane=plane
+                )
                 scan = limit_of_flight(along, max_rate)
                 if np.isinf(scan.limit) and OPEN in scan.status:  # no limit tried survives
                     raise errors.NotKnownError(scan.status)

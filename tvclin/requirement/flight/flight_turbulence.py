@@ -180,7 +180,7 @@ class FlightTurbulence(Shown):
         return self.history.travel_deviation() if self.travel is not None else None
 
     def quantile_at(self, time: float, output: str = DEFLECTION) -> float:
-        """Return k standard deviations of an output at a flight time [s]; NaN where it has none.
+        """Return `sigmas` standard deviations of an output at a flight time [s]; NaN for none.
 
         Raises
         ------
@@ -502,7 +502,7 @@ def _of_pulse(loop: LoopOverFlight, rows: list[_PulseRow]) -> _Responses:
     travels = [np.abs(np.diff(row.response.mean())).sum() for row in rows]  # of the deflection
     worst = rows[int(np.argmax(travels))]
     return _Responses(
-        covariance=loop.along(None, pressure),
+        covariance=loop.along(wind=None, pressure=pressure),
         means=[(float(row.pulse.onset), row.response) for row in rows],
         whole=lambda: loop.along(worst.pulse, pressure),
     )

@@ -94,14 +94,15 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
     A measured wind has a gust about that time, if it has one, and is unknown where the sounding
     does not reach. With the `placing` "peak" the peak (the middle of a flat top) is moved to that
     time; with "flight" the wind is in flight time, and counts within half a window [s].
-    `InputError` for a batch of winds, and a wind that never ends or is zero; `NotKnownError` from a
-    function that gives the wind.
+    `zero`: flight time of the wind's own zero [s]. `InputError` for a batch of winds, and a wind
+    that never ends or is zero; `NotKnownError` from a function that gives the wind.
     """
     if isinstance(wind, MeasuredWind):  # in flight time: its zero is the flight time zero
         first, last = wind.known
         if not first <= time <= last:
             return PlacedWind(wind.wind * 0.0, zero=0.0, known=False)
-        # `wind(vehicle)` has angles of one sign; without window and gust it is the same at any time
+        # `wind(vehicle)` has the angles of one sign, `signed` those of both (`two_sided`). Without
+        # window and gust the wind is the same at all flight times (`fixed`).
         signed = wind.of_both_signs(vehicle)
         values = signed(signed.probe_times())
         changes_sign = values.min() < 0.0 < values.max()

@@ -134,8 +134,8 @@ def _with_bounds(
 ) -> FrozenRequirement:
     """Return required deflections [rad] ``(k,)`` of a wind, with lower bounds and messages.
 
-    `plant`: frozen at the time of the wind. `dead_bands`: K, ``(k,)``. `law`: "bound" for the lower
-    bound without a forecast, "flown" for the recoverable-attitude law. `limits`: required
+    `plant`: frozen at the time of the wind. `dead_bands`: K, ``(k,)``. `law`: without a forecast,
+    "bound" for the lower bound of any, "flown" for the recoverable-attitude law. `limits`: required
     deflections [rad], ``(k,)``, with their `statuses`. A bound that is not defined is NaN; the
     messages hold its error, and statuses.
     """

@@ -520,8 +520,9 @@ class SizingRequest:
     ) -> DeflectionTotal:
         """Return the largest total over the flight; same exceptions as `worst_total`.
 
-        It counts flight times between the sizing's too, about its largest totals; see
-        `refined_sizing`. `sizing`: result of `sizing`. `turbulence`: result of `turbulence`.
+        A total is the required deflection with all that adds to it: turbulence, dispersion, offsets
+        and reserve. Flight times between the sizing's count too, about the largest totals.
+        `sizing`: result of `sizing`. `turbulence`: result of `turbulence`.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("sizing", sizing, Sizing, "see sizing()")
