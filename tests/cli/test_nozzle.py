@@ -109,6 +109,13 @@ def test_the_required_rate_of_an_autopilot_is_that_of_the_library() -> None:
     assert words in run(*given).output
 
 
+def test_the_required_rate_of_laws_without_a_forecast_says_whose_it_is() -> None:
+    """With a dead band below 1 a law has a forecast, and the bound without one does not count."""
+    for band, laws in (("1", "any law without a forecast"), ("0.5", "any law")):
+        answer = run("--limit-deg", "0.2", "--dead-band", band, "--duration", "40")
+        assert f" {laws} with the limit" in " ".join(answer.output.split())
+
+
 @pytest.mark.parametrize(
     ("options", "code", "words"),
     usual(
@@ -126,7 +133,7 @@ def test_the_required_rate_of_an_autopilot_is_that_of_the_library() -> None:
             (
                 ("--limit-deg", "0.35"),
                 0,
-                "required rate of any law with the limit at least 0.142 deg/s; lower bound",
+                "required rate of any law without a forecast with the limit at least 0.142 deg/s",
             ),
             (("--limit-deg", "0.1"), 1, "NOT SUFFICIENT, below the lower bound"),
             (

@@ -25,7 +25,8 @@ QUANTITIES = {
     " survives, up to a wind angle of 30 deg; of a wind by its speed the nominal angle, with that"
     " speed",
     "required rate": "the smallest rate limit with which a control that knows the wind survives"
-    " with the deflection limit; along a flight, that of a ramp for the required deflection",
+    " with the deflection limit, with K = 1 a lower bound of laws without a forecast; along a"
+    " flight, that of a ramp for the required deflection",
     "controllability ratio": "the available deflection over static trim with all that adds up; it"
     " takes the wind for lasting",
 }

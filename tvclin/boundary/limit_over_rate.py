@@ -92,7 +92,7 @@ def required_rate_table(trade_off: RateTradeOff, deflection: str) -> Table:
     `deflection`: text that says what the limit is.
     """
     return record_table(
-        f"{REQUIRED_RATE.capitalize()}, a lower bound of any law",
+        f"{REQUIRED_RATE.capitalize()}, a lower bound of {trade_off.bounded_laws}",
         "required_rate",
         [trade_off],
         *("limit", "required_rate", "rate_limit", "remaining_rate"),
@@ -199,6 +199,8 @@ class RateTradeOff(TradeOff):
     angle : float
         Largest wind angle [rad]. Above 30 deg the trade-off holds for the linear equations only,
         and the lower bound is NaN.
+    forecast : bool
+        Whether the law has a forecast of the wind; without one `required_rate` bounds such laws.
     """
 
     rates: FloatArray = field(metadata=spec("angular rate", "rate limit", card=False))
@@ -217,6 +219,13 @@ class RateTradeOff(TradeOff):
     lower_bound: float = field(metadata=spec("angle", infinite=NONE_SUFFICIENT))
     required_rate: float = field(metadata=spec("angular rate", infinite="no rate is sufficient"))
     angle: float = 0.0
+    forecast: bool = False
+
+    @property
+    def bounded_laws(self) -> str:
+        """The laws whose rates `required_rate` is a lower bound of, in words."""
+        bounds_all = self.forecast or self.no_forecast_bounds is None
+        return "any law" if bounds_all else "any law without a forecast"
 
     @property
     @derived("angular rate", label="remaining", infinite="-", card=False)
@@ -395,6 +404,7 @@ def rate_trade_off(
         lower_bound=case.lower_bound(nozzle_rate),
         required_rate=case.required_rate(nozzle_limit),
         angle=abs(float(wind.peak)),
+        forecast=forecast,
     )
     if front.beyond_linear:
         return replace(front, lower_bound=np.nan, required_rate=np.nan)

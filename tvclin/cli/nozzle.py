@@ -361,12 +361,13 @@ class _RequiredRates:
 
         `at`: deflection with which they are required, in words.
         """
-        theory = None if self.theory is None else self.theory.required_rate
-        # required rate [rad/s], None if not known, by law; theory, of any law, has an empty name
-        rates = {f"the {AUTOPILOT}, flown,": self.autopilot, "": theory}
-        return "; ".join(
-            _rate_text(rate, self.at, law) for law, rate in rates.items() if rate is not None
-        )
+        texts = []
+        if self.autopilot is not None:
+            texts.append(_rate_text(self.autopilot, self.at, f"the {AUTOPILOT}, flown,"))
+        if (theory := self.theory) is not None:
+            bound = _rate_text(theory.required_rate, self.at, theory.bounded_laws, "at least ")
+            texts.append(bound)
+        return "; ".join(texts)
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -374,17 +375,16 @@ class _RequiredRates:
         return () if self.theory is None else (required_rate_table(self.theory, self.at),)
 
 
-def _rate_text(required_rate: float, at: str, law: str) -> str:
-    """Return a required rate [rad/s] in words; `law`: the flown law, empty for the theory.
+def _rate_text(required_rate: float, at: str, law: str, least: str = "") -> str:
+    """Return a required rate [rad/s] in words; `law`: the flown law, or the laws that it bounds.
 
-    That of the theory is a lower bound of the rate of any law. `at`: deflection with which the rate
-    is required, in words: "limit", or the required one.
+    `at`: deflection with which the rate is required, in words: "limit", or the required one.
+    `least`: words before a rate that is a lower bound.
     """
     if np.isinf(required_rate):
-        return f"no rate is sufficient for {law or 'any law'} with the {at}"
-    whose, least = (law, "") if law else ("any law", "at least ")
+        return f"no rate is sufficient for {law} with the {at}"
     rate = f"{np.degrees(required_rate):.3f} deg/s"
-    return f"{REQUIRED_RATE} of {whose} with the {at} {least}{rate}"
+    return f"{REQUIRED_RATE} of {law} with the {at} {least}{rate}"
 
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:
