@@ -110,7 +110,7 @@ class SoundingGaps:
 
     @classmethod
     def of(cls, profile: WindProfile, schedule: FlightSchedule) -> SoundingGaps:
-        """Return the gaps of a profile along a flight; see `WindProfile.gaps`."""
+        """Return the gaps of a profile along a flight: their ends as heights [m] and times [s]."""
         times = np.interp(profile.gaps, schedule.height, schedule.times)
         return cls(profile.gaps, times)
 

@@ -261,7 +261,7 @@ class LoadLimits:
 
     @cached_property
     def dense_program(self) -> LoadProgram:
-        """Linear program on nodes that also resolve a deflection without load, which oscillates."""
+        """Linear program on nodes that resolve the oscillating deflection which keeps load zero."""
         nodes, zeros = self.program.nodes, self.case.oscillating_zeros
         if not zeros.size:
             return self.program
@@ -434,14 +434,14 @@ class LoadLimits:
     def required_load(self, limit: float | None) -> float:
         """Return the minimum load [rad] of a control within a limit [rad]; inf if there is none.
 
-        None is no limit. The load is the angle of attack, or alpha + M delta. Of computed controls
-        and linear mixtures of two it is the smallest load whose peak is within the limit.
+        None is no limit. The load is the angle of attack alpha, or alpha + M delta (M, `ratio` of
+        the case). It is the smallest of controls, computed or mixed of two, within the limit.
         """
         if limit is not None and limit < self.minimum_deflection:
             return np.inf
         if limit is None or limit >= self._attained(self.minimum_load):
             return self.minimum_load
-        free, constant = self._responses  # without control, and per constant deflection
+        free, constant = self._responses  # alpha without control; its change by unit deflection
         low = max(float(np.max(np.abs(free) - limit * constant)), self.minimum_load)
         load = max(low, _MIN_START_LOAD * self.load_of_minimum)
         for _ in range(6):  # Newton steps from below, along tangents of the lower bound `proof`

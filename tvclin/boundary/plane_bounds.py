@@ -79,7 +79,7 @@ class PlanePair:
 
     @cached_property
     def poles(self) -> tuple[FloatArray, FloatArray]:
-        """Unstable poles [1/s] of each plane, the fastest first."""
+        """Unstable poles [1/s] in pitch and in yaw, ``(N,)`` each, the fastest first."""
         pitch, yaw = (np.real(unstable_poles(plant)) for plant in self.plants)
         return pitch, yaw
 
@@ -96,7 +96,7 @@ class PlanePair:
 
     @cached_property
     def trim(self) -> PlaneWind:
-        """Trim deflection [rad], which keeps the attitude."""
+        """Trim deflection [rad] over time in pitch and yaw, which keeps the attitude."""
         winds = self.wind.pitch, self.wind.yaw
         pitch, yaw = (trim_deflection(*plane) for plane in zip(self.plants, winds, strict=True))
         return PlaneWind(pitch=pitch, yaw=yaw)

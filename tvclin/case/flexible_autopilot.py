@@ -96,13 +96,14 @@ def stop_boundary(
 ) -> ClosedLoopBoundary:
     """Return the minimum limit of a law in one wind, sought up to `limit` [rad] if none is lower.
 
-    A first scan ends at some multiples of static trim; only where none of these limits survives and
-    `limit` lies above, a second one goes on to it. `plant`: one plant.
+    A first scan ends at some multiples of static trim, the deflection ``|B| peak`` at the peak of
+    the wind (B: trim deflection over wind angle). Only where none of these limits survives and
+    `limit` lies above, a second scan goes on to it.
     `hardware`: actuator, rate limit, delay and sample rate of flights, by name. `InputError` where
     flights have no boundary, as in an endless wind.
     """
     boundary = closed_loop_boundary(plant, law, wind, **hardware)
-    scanned = float(boundary.scan[-1])
+    scanned = float(boundary.scan[-1])  # limits over static trim, as `highest`
     highest = limit / abs(float(plant.coefficients.B) * float(wind.peak))
     if np.isfinite(boundary.limit) or highest <= scanned:
         return boundary

@@ -315,10 +315,10 @@ def option_of_key(key: str, flags: Iterable[str]) -> str | None:
 
 
 def _field_keys() -> dict[str, tuple[str, ...]]:
-    """Return the keys that each option of a declared field excludes, without units, by option.
+    """Return the keys, without units, that --set may not set beside an option, by option.
 
-    The first is the field's own key, as "nozzle.limit" of --limit-deg. An option of a gain also
-    excludes the keys of the rules for gains, and the reverse.
+    The first is the key of the option's own field, as "nozzle.limit" of --limit-deg. Beside a gain
+    none of the keys of the rules for gains may be set, and the reverse.
     """
     from tvclin.cli.options import Options
     from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS

@@ -197,7 +197,7 @@ def minimum_deflection_gains(
     sample_rate : float, optional
         Samples of the autopilot in a second [Hz]: its margins are then of the sampled loop.
         Without one the margins are of a continuous autopilot, and flights sample it at 100 Hz. The
-        largest deflections of the linear loop are those of the continuous one, either way.
+        largest deflections of the linear loop belong to the continuous one, either way.
 
     Returns
     -------
@@ -213,11 +213,11 @@ def minimum_deflection_gains(
 
     Notes
     -----
-    On a fixed path a0 + b0 and a1 alone decide the margins, and the deflection is affine in b0 for
-    a given loop. The search uses none of that: it takes hundreds of points, then others along
-    differences of the best, with all margins and peaks of a round in one call. Peaks are minimal to
-    about 1e-3 of trim, with three gains in several winds to 2e-3; the gains have
-    four digits, with which they satisfy all criteria.
+    On a fixed path the margins depend on a0 + b0 and a1 alone (gains of attitude a0, rate a1 and
+    alpha b0), and the deflection is affine in b0 for a given loop. The search uses none of that: it
+    takes hundreds of points, then others along differences of the best, with all margins and peaks
+    of a round in one call. Peaks are minimal to about 1e-3 of trim, with three gains in several
+    winds to 2e-3; the gains have four digits, with which they satisfy all criteria.
 
     A single wind is overfitted: give several durations, and judge three gains with stops.
 

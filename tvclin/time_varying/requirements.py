@@ -100,7 +100,7 @@ class Motion(Protocol):
         """Breakpoints [s] of the equations, in addition to the breakpoints of the wind."""
 
     def judged_at(self, ends: FloatArray) -> FloatArray:
-        """Return the times [s] that decide on survival in n winds with their `ends` [s]."""
+        """Return the times [s] at which flights in n winds are judged, ``(n,)``; `ends` [s]."""
 
     def at_steps(self, times: FloatArray) -> Equations:
         """Return the equations at begin, middle and end of S steps [s], `times` ``(n, S, 3)``."""
@@ -552,12 +552,12 @@ class SteppedWinds:
     ) -> Iterator[tuple[IndexArray, FloatArray]]:
         """Yield indices of k winds and their `minimum_peaks` [rad], ``(k, S + 1)``, group by group.
 
-        Those are the smallest peaks of any control from the begin of each step on. A group has
-        equally many unstable modes; winds whose demand alone bounds every control are in none.
-        `path`: states beyond attitude and rate under trim at the ends of steps, ``(n, S + 1, m -
-        2)``. `trim_ratios`: trim over K [rad] there; None where peaks from the onset suffice.
+        Those are the smallest peaks of any control from each of the S + 1 ends of S steps on. A
+        group has equally many unstable modes; winds whose demand alone bounds every control are in
+        none. `path`: the m - 2 states beyond attitude and rate, under trim, at these ends, ``(n, S
+        + 1, m - 2)``. `trim_ratios`: trim over K [rad] there; None: peaks from the onset suffice.
         """
-        steps, costates_and_reaches, _onset = self._columns()
+        steps, costates_and_reaches, _onset = self._columns()  # of the fastest mode: ``(n, m + 1)``
         for modes in self.equations.modes:
             # equations that are common to all winds have their modes in all
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))

@@ -119,9 +119,9 @@ class History(Record, ABC):
             integral = algebra.remaining_integral(self.pieces, s)
 
         def at(t: ArrayLike) -> AnyArray:
-            """Return the remaining integrals of `s` from the times `t` [s] on, ``(batch, times)``.
+            """Return the integrals over r from `t` [s] on of e^(-s (r - t)) times the history at r.
 
-            `integral` takes times of one axis.
+            Shape ``broadcast(batch, s.shape) + t.shape``; `integral` takes times of one axis.
             """
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):

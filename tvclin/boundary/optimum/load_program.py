@@ -300,9 +300,9 @@ class LoadProgram:
         """Return the variables [rad] after the smallest change that satisfies the conditions.
 
         `u`: deflections at ends of cells or in them [rad], as the program has them to its
-        tolerance. The condition of each unstable mode s is that the integral of e^(-s t) eta dt
-        from the first node on is zero, eta being the deflection minus the reference. The
-        least-squares solution of smallest size is added.
+        tolerance. The condition of each unstable mode s, scaled by its size |s|, is that the
+        integral of e^(-s t) eta dt from the first node on is zero, eta being the deflection minus
+        the reference. The least-squares solution of smallest size is added.
         """
         case = self.case
         first, last = self._levels  # matrices from `u` to the deflection at start and end of cells
@@ -311,8 +311,9 @@ class LoadProgram:
             -np.where(case.unstable, case.rates, 0.0) * (self.nodes - self.nodes[0])[:, np.newaxis]
         )
         start, stop = (decayed[:-1] * weight * case.sizes for weight in (near, far))
-        stop[-1] += decayed[-1] * case.step_states  # the last value stays constant
-        # real rows of the unstable modes: 1 + j marks both numbers of a pair
+        # |s|/s times the last value, which stays constant: the integral behind the last node
+        stop[-1] += decayed[-1] * case.step_states
+        # `column` splits values of modes in real, and for pairs imaginary parts: 1 + j marks both
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         start, stop = (case.column(row)[:, unstable].T for row in (start, stop))
         # rows @ u is the integral of the deflection, by real condition; sizes scale the conditions

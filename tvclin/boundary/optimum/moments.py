@@ -229,12 +229,15 @@ class Window:
 
     @cached_property
     def values(self) -> FloatArray:
-        """The poles' exponentials e_i on the grid, ``(n, k)``."""
+        """Exponentials e_i = e^(-p_i u) of the poles at the times u of `grid`, ``(n, k)``.
+
+        A complex pair has two rows, with the cosine and the sine; see `Constraints.basis`.
+        """
         return self.constraints.basis(self.grid)
 
     @cached_property
     def slopes(self) -> FloatArray:
-        """Derivatives of e_i on the grid, ``(n, k)``."""
+        """Derivatives [1/s] of the poles' exponentials e_i at the times of `grid`, ``(n, k)``."""
         return self.constraints.slopes(self.grid)
 
     @cached_property
@@ -400,9 +403,9 @@ def _refined(
     sign = np.sign(multipliers @ function(times[intervals + 1]))
 
     def rising(u: FloatArray, k: IndexArray) -> FloatArray:
-        """Return the sum of `multipliers` times `function` at `u` [s], rising in each interval.
+        """Return the sum lambda . function at `u` [s], a time in each interval, times a sign.
 
-        It is times `sign`, the sign of the sum at the end of the interval, whose index is `k`.
+        `sign`: sign of the sum at the end of interval `k`, so that it rises through its zero.
         """
         return np.asarray(sign[k] * (multipliers @ function(u)))
 

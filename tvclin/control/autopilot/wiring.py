@@ -502,7 +502,10 @@ def sampled_loop(autopilot: Feedback, plant: AnyPlant) -> SampledLoop:
         return vehicles.to_steps(h.ravel()[cases], delays).series(laws)
 
     def delayed_form(delays: FloatArray, cases: IndexArray) -> StateLoop:
-        """Return loops with delays [s] ``(k,)``, of cases ``(k,)``, in w = (2/h)(z - 1)/(z + 1)."""
+        """Return the same loops, in w = (2/h)(z - 1)/(z + 1) in place of z; h: sample period [s].
+
+        Same parameters as `open_steps`: k delays [s], and k indices in the flattened batch.
+        """
         return _w_plane_loops(open_steps(delays, cases), h.ravel()[cases])
 
     def delayed_closed_poles(delays: FloatArray, cases: IndexArray) -> ComplexArray:

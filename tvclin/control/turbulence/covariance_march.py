@@ -45,7 +45,10 @@ class VaryingLoop:
     """
 
     def __init__(self, loop_at: Callable[[FloatArray], DrivenLoop], breaks: FloatArray) -> None:
-        """Interpolate the loops between `breaks`, with nodes as close as their change requires."""
+        """Set starts and lengths [s] of intervals, and loops at the five nodes of each.
+
+        Intervals between `breaks` [s] are halved until interpolation reproduces the loops.
+        """
         self._starts, self._lengths, self._nodes = _interpolated(loop_at, breaks)
 
     @property

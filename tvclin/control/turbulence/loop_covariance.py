@@ -193,7 +193,7 @@ class LoopCovariance(GaussianOutputs):
     def rms(self, output: str = DEFLECTION) -> float:
         """Return the standard deviation of an output in its SI unit.
 
-        With samples it is the largest over the phases of a sample. `InputError` for an unknown
+        With samples it is the largest over times within a sample. `InputError` for an unknown
         output.
         """
         row, _ = self._row(output)
@@ -212,16 +212,15 @@ class LoopCovariance(GaussianOutputs):
     def mean_absolute_rate(self, output: str = DEFLECTION) -> float:
         """Return E|y'| of an output, of the deflection its travel in each second [rad/s].
 
-        With samples it is the mean over the phases of a sample, with the weights `_weights`.
-        `InputError` for an unknown output and an output that jumps with the wind or with the
-        noise.
+        With samples it is the mean over n times within a sample, with their `_weights`.
+        `InputError` for an unknown output, and one that jumps with the wind or with the noise.
         """
         return float(self._weights @ self._absolute_rates(output))
 
     def crossing_rate(self, limit: float, output: str = DEFLECTION) -> float:
         """Return an output's expected crossings [1/s], of +limit upwards and -limit downwards.
 
-        With samples it is the mean over the phases of a sample. `InputError` for an unknown output,
+        With samples it is the mean over times within a sample. `InputError` for an unknown output,
         one that jumps, and a limit that is not positive.
         """
         return float(self._weights @ self._crossing_rates(limit, output))
@@ -229,7 +228,7 @@ class LoopCovariance(GaussianOutputs):
     def exceedance(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the fraction of time in which ``|output|`` is above a limit.
 
-        With samples it is the mean over the phases of a sample, with the weights `_weights`. In
+        With samples it is the mean over n times within a sample, with their `_weights`. In
         Gaussian motion a nozzle with this deflection limit has that fraction less gain (the
         random-input describing function of a saturation): where it is more than a percent or so,
         the loop is linear no more, see `tvclin.ensembles.fly_turbulence`. `InputError` for an

@@ -180,7 +180,7 @@ class Availability(Tabled):
         )
 
     def by_month(self) -> dict[int, Any]:
-        """Return the fraction that flies, as `fraction`, by month from 1 to 12 in local time."""
+        """Return the `SurvivalFraction`, or a tuple by azimuth, by local month from 1 to 12."""
         months = self.soundings.months
         return {
             month: self._fractions(self.limit, months == month)
@@ -188,10 +188,10 @@ class Availability(Tabled):
         }
 
     def curve(self, limits: ArrayLike) -> tuple[Any, ...]:
-        """Return the fractions of all soundings that fly, one result for each of m limits.
+        """Return the fractions of all soundings that fly with each of m limits.
 
-        `limits`: deflection limits [rad] instead of the nozzle's, ``(m,)``. Each result is as
-        `fraction` returns it for all soundings.
+        `limits`: deflection limits [rad] instead of the nozzle's, ``(m,)``. For each limit a
+        `SurvivalFraction`, or, for several azimuths, a tuple of them.
         """
         all_soundings = np.ones(len(self.soundings), dtype=bool)
         row = errors.small_angle("a deflection", errors.nonnegative)(

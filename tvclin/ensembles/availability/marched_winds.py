@@ -40,7 +40,7 @@ class Additions:
     gust_speed: float | None
 
     def grown(self, height: FloatArray) -> FloatArray:
-        """Return the growth of winds [m/s] at heights [m], in their shape; zero without growth."""
+        """Return the wind speed [m/s] added until launch, at heights [m]; zero without growth."""
         return np.zeros(height.shape) if self.growth is None else self.growth.at(height)
 
     def strongest(self, height: FloatArray) -> FloatArray:

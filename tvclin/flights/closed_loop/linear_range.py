@@ -32,11 +32,12 @@ def finish_by_modes(f: Flights, batch: Batch) -> None:
     """Step flights to their ends, in place; those that remain linear end when this is known.
 
     A flight that is undecided ten settling times after its wind ends there and survives, if its
-    modes decay within the limits; all others end as by `finish`. `f`: arrays of the flights at
-    their starts, changed in place. `batch`: the flights.
+    modes decay within the limits; all others end as by `finish`, at a fixed time, by their outcome,
+    or `waiting` samples after the wind. `f`: arrays of the flights at their starts, changed in
+    place. `batch`: the flights.
     """
-    # numbers of samples after the wind: until a flight is undecided, and until its modes decide,
-    # at the next sample at which flights are judged
+    # numbers of samples after the wind: `waiting`, and `pause`, after which the modes decide, at
+    # the next sample at which flights are judged; `finish` NEVER: a flight without a fixed end
     waiting, pause = f.cases.waiting.copy(), _SETTLING_TIMES * f.cases.settling
     pause = -(-pause // JUDGED_SAMPLES) * JUDGED_SAMPLES
     slow = _has_linear_law(f, batch) & (f.cases.finish == NEVER) & (pause < waiting)

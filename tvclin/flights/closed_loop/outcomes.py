@@ -83,5 +83,5 @@ def _unstable_poles(plant: AnyPlant) -> tuple[FloatArray, FloatArray, FloatArray
     width = min(MAX_MODES, poles.shape[-1])
     s[:width] = np.real(columns[:width])
     fast, slow = np.where(valid, s[0], 1.0), np.where(valid, s[1], np.nan)
-    B = np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()
+    B = np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()  # scales the coordinates
     return fast, slow, 1.0 / np.abs(np.where(valid, B, np.nan))

@@ -370,12 +370,13 @@ class Stages:
     def _places(self, times: FloatArray) -> FloatArray:
         """Return the times [s] within m samples at which the vehicle is evaluated, ``(places, m)``.
 
-        They are the first Gauss point of each part of a sample, the second ones, its start, and its
-        middle. `times`: starts of the samples [s], ``(m,)``.
+        Rows: the first Gauss points of the parts of a sample, their second ones, its start and its
+        middle. Parts: after the arrival of a command, and, where that is within a sample, before
+        it. `times`: starts of the samples [s], ``(m,)``.
         """
-        # the columns of all flights alike: the sample's length [s], then those of its parts, of
-        # which the first, after the arrival of a command, ends the sample, and the second begins it
+        # `lengths` has the length of the sample [s] ahead of those of its parts, as in all flights
         lengths = self._timing.lengths[0, 1:, np.newaxis]
+        # the part after the arrival is the last in time, that before begins with the sample
         begins = times + np.stack([self.period - lengths[0], [0.0]])[: len(lengths)]
         at = [begins + node * lengths for node in GAUSS_NODES]
         return np.concatenate([*at, [times, times + 0.5 * self.period]])

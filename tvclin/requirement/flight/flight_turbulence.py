@@ -493,13 +493,14 @@ class _PulseRow(NamedTuple):
 def _of_pulse(loop: LoopOverFlight, rows: list[_PulseRow]) -> _Responses:
     """Return the responses of a loop over the flight to a pulse of one direction.
 
-    `rows`: pulse and response at each flight time. The whole flight has the dynamic pressure in
-    the pulses throughout, and the pulse that moves the nozzle most.
+    `rows`: at each flight time the pulse, its q/q_n (dynamic pressure over the nominal one) and
+    the response. The whole flight has these q/q_n, and the pulse with the most nozzle travel.
     """
     in_order = sorted(rows, key=lambda row: row.time)
     times, ratios = [row.time for row in in_order], [row.pressure for row in in_order]
     pressure = np.interp(loop.schedule.times, times, ratios)  # constant beyond the flight times
-    travels = [np.abs(np.diff(row.response.mean())).sum() for row in rows]  # of the deflection
+    # nozzle travel [rad]; `mean`: deflection over time in the pulse, without turbulence
+    travels = [np.abs(np.diff(row.response.mean())).sum() for row in rows]
     worst = rows[int(np.argmax(travels))]
     return _Responses(
         covariance=loop.along(wind=None, pressure=pressure),
@@ -521,7 +522,7 @@ def _largest(
     times, covariance = mean.times + start, responses.covariance
 
     def sizes(output: str) -> FloatArray:
-        """Return the size of the mean of an output plus k standard deviations, at the `times`."""
+        """Return |mean response| + k standard deviations of an output at `times` [SI], ``(n,)``."""
         deviation = np.interp(times, covariance.times, covariance.deviation(output))
         return np.abs(mean.mean(output)) + k * deviation
 

@@ -216,7 +216,8 @@ class DeflectionTotal(Shown):
     def no_ramp(self) -> bool:
         """Whether no ramp at the rate limit is sufficient, whatever its deflection.
 
-        The total is then without a contribution of the rate limit, which would be infinite.
+        The rate limit, below the required rate, then has no line of its own among the `lines` of
+        the total: its contribution would be infinite.
         """
         return self.too_slow and all(line.name != RATE_LINE for line in self.lines)
 

@@ -261,10 +261,10 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     def in_placed_wind(compute: Cached) -> CachedAnswer:
         """Return the motion or the outcome in the wind with its gust at the worst time.
 
-        `compute`: which of both, a function of plan and law. Where that time is not known, the
-        answer has no value, and the reason in its notes.
+        `compute`: which of both, a function of plan and law. `gust`: plan with the values on which
+        that time depends. Where it is not known, the answer has no value, and notes say why.
         """
-        placed_wind = placed(gust)  # `gust`: plan with what decides on the time; the wind, or None
+        placed_wind = placed(gust)  # its value: the wind with its gust, or None
         if placed_wind.value is None:
             return placed_wind
         return compute(replace(choices.motion_inputs, wind=placed_wind.value), choices.law)
