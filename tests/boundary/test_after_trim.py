@@ -211,3 +211,11 @@ def test_no_limit_above_what_is_required_is_lost_after_trim(seed):
     if not others or paired or others[0] > 0.9 * fast or others[-1] < 1e-3 * fast:
         return  # one mode; a pair, which needs trim without a limit; a mode like none in cells
     held_to(plant, wind, dead_band)
+
+
+def test_a_dead_band_close_to_one_requires_no_more_than_one() -> None:
+    """Steps of the iteration to K L are short there, and ended at more than twice as much."""
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "drift-exact")
+    wind = tv.TriangularWind(peak=0.05, duration=2.0)
+    near, one = (tv.required_deflection(plant, wind, K).limit for K in (0.9999, 1.0))
+    assert 0.999 * one < near <= one * (1.0 + 1e-6)

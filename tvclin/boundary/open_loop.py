@@ -51,10 +51,12 @@ _RELATIVE_ROUNDING = 1e-9
 """Rounding of a minimum peak, relative to the limit."""
 _MAX_LIMIT = 100.0
 """Largest limit, normalised by B alpha_w,max, that is computed where trim is not bounded."""
+_MAX_ITERATED_DEAD_BAND = 0.99
+"""Dead band K up to which limits are iterated; above it each step, to K L, is too short."""
 _MAX_STEPS = 2000
-"""Largest number of steps of the iteration: sufficient for dead bands up to 0.99."""
+"""Largest number of steps of the iteration."""
 _GRID_LEVELS = 24
-"""Limits on the grid that is computed with three modes or more."""
+"""Limits on the grid that is computed with three modes or more, or a dead band near 1."""
 _BISECTIONS = 16
 """Bisections of the grid step above the highest limit that diverges."""
 ROUNDING = 1e-9
@@ -279,7 +281,8 @@ def _limit_after_trim(
     highest = np.minimum(problem.largest_trim(applicable.reshape(shape)).ravel(), _MAX_LIMIT)
     applicable &= highest > limits
     after = _AfterTrim(problem, K.ravel(), modes)
-    for search, cases in ((_iterated, number == 2), (_bisected, number > 2)):
+    iterated = (number == 2) & (after.dead_band <= _MAX_ITERATED_DEAD_BAND)
+    for search, cases in ((_iterated, iterated), (_bisected, ~iterated)):
         selected = np.flatnonzero(applicable & cases)
         if selected.size:
             limits[selected] = search(after, selected, limits[selected], highest[selected])
