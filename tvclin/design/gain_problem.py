@@ -106,7 +106,8 @@ class GainProblem:
                 "without actuator, delay and crossover the gains for the least deflection are"
                 " infinite: give one of these"
             )
-        _ = self.autopilot(np.full((1, len(free)), 0.5))  # checks actuator, delay and filters
+        # the autopilot in the middle of the search range checks actuator, delay and filters
+        _ = self.autopilot(np.full((1, len(free)), 0.5))
 
     @property
     def chains(self) -> dict[str, Any]:

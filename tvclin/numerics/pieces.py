@@ -175,7 +175,7 @@ def add(first: Pieces, second: Pieces) -> Pieces:
     """Return the sum of two batches of histories, which broadcast, on the knots of both.
 
     It has the rates of both. Where the rates of one history begin with the other's, they are
-    not repeated, and the coefficients are added.
+    not repeated, and the coefficients are added. Coefficients have the axes knots, rates, powers.
     """
     shape = np.broadcast_shapes(first.batch, second.batch)
     knots = [np.broadcast_to(p.knots, (*shape, p.knots.shape[-1])) for p in (first, second)]

@@ -418,12 +418,12 @@ def _refined_summits(
 
 
 def _modal_bounds(matrix: AnyArray, row: AnyArray, horizon: float) -> AnyArray:
-    """Return the matrix ``(n, n)`` whose product with a state bounds each share of an output.
+    """Return the matrix ``(n, n)`` with a row for each mode; with a state, bounds of its output.
 
-    The output is ``row . state``, with state' = `matrix` state. Within the time `horizon` [s] it
-    does not exceed the sum of the absolute values of the product. Where modes coincide the elements
-    are very large or NaN and give no bound; a mode that the row does not observe counts with its
-    rounding.
+    The output is ``row . state``, with state' = `matrix` state, a sum over modes. The size of the
+    product of a row with the state bounds what that mode adds to it within the time `horizon` [s],
+    so their sum bounds the output. Where modes coincide the elements are very large or NaN and
+    give no bound; a mode that `row` does not observe counts with its rounding.
     """
     rates, vectors = np.linalg.eig(matrix)
     rounding = np.finfo(float).eps * (np.abs(row) @ np.abs(vectors))

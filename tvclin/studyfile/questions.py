@@ -238,8 +238,9 @@ def _rate(findings: Findings) -> Question:
 
     `findings`: results of a plan with a rate limit. Its trade-off of limit over rate has the lower
     bounds of every control, with the wind known and without a forecast: of the deflection [rad] at
-    this rate, and of the rate [rad/s] with this limit. In a head wind that governs, yes stands on
-    the dynamic pressure at its peak throughout, too.
+    this rate, and of the rate [rad/s] with this limit. `findings.rates` is at nominal dynamic
+    pressure. In a head wind that governs, yes also needs `findings.head.rates`, with the pressure
+    at its peak throughout, whose numbers are then shown; without these it is not known.
     """
     name, trade_off = "nozzle rate", findings.rates
     if trade_off is None:

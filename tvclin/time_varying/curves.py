@@ -282,13 +282,15 @@ class Curves:
     def trim_ratios(self, dead_band: float) -> FloatArray:
         """Return trim over K [rad] of n winds, ``(n, S + 1)``, at S begins of steps and the end.
 
-        It is the limit with which the dead band `dead_band`, K above zero, is left there: infinite
-        where trim is not at a new maximum, which no limit makes an exit, and NaN behind the step of
-        the last new maximum, where nothing is left to compare with a minimum peak.
+        It is the limit with which trim leaves the dead band `dead_band`, K above zero, there.
+        Infinite where trim has been larger before, so that it leaves the band there with no limit.
+        NaN behind the step of the largest trim: with every limit it has left the band, or never
+        does.
         """
         trim = self.sign[:, np.newaxis] * self.trim.reshape(len(self.trim), -1)  # (n, 3 S)
         at_maximum, steps = _new_heights(trim), np.arange(self.trim.shape[1] + 1)
         ratio = np.where(at_maximum, trim / dead_band, np.inf)
+        # sample of the largest trim, the last new maximum
         last_sample = trim.shape[1] - 1 - np.argmax(at_maximum[:, ::-1], axis=-1)
         last_step = last_sample // 3 + 1  # end of the step of that sample: three samples each
         at_steps = np.concatenate([ratio[:, ::3], ratio[:, -1:]], axis=-1)

@@ -231,14 +231,15 @@ class LoadProgram:
     def _limits(self, aim: str, bound: float) -> tuple[Any, FloatArray]:
         """Return inequality rows, sparse, and their upper bounds ``(rows,)``: load, peak and rate.
 
-        Variables and bounds are in units of `_unit` [rad]. `aim`: the last variable, minimised,
-        `PEAK` or `LOAD`. `bound`: load bound [rad], which counts for `PEAK` alone. A minimised load
-        also bounds deflections in wide cells (`_static_bounds`): a fraction of the load is the
-        largest deflection there.
+        Variables and bounds are in units of `_unit` [rad]. `aim`: the quantity minimised, also the
+        last variable: `PEAK`, with `bound` [rad] on the load, or `LOAD`, without. A minimised
+        load also bounds deflections in wide cells (`_static_bounds`): a fraction of the load is
+        the largest deflection there.
         """
         from scipy import sparse
 
-        # rows of the load over the variables, and its extremes where these are zero
+        # load = loads @ variables + what the reference deflection and the wind add on both sides of
+        # each node, of which `high` is the larger and `low` the smaller
         loads, high, low = self._loads
         count, unknowns = loads.shape[1], self._variables  # the first variables are deflections
 

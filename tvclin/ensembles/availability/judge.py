@@ -421,7 +421,8 @@ def _judged_interval(
 
     `model`: its linear model. `planes`: planes of the motion, of which the later end counts.
     `pressure`: whether winds count with the dynamic pressure that they cause. Without an unstable
-    mode it is the whole flight, without equations. Cached by its arguments.
+    mode it is the whole flight, and no plane has equations to march winds along. Both planes take
+    the time steps of the plane with the fastest mode. Cached by its arguments.
     """
     modes = [FlightMode(flight, model, plane, flight.span) for plane in planes]
     # flights up to the end of their last interval with an unstable mode, by plane

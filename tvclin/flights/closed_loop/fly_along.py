@@ -252,24 +252,27 @@ def sampled_outputs(
 ) -> Iterator[FlightAlong]:
     """Yield the outputs of sampled flights with one model and autopilot, in their order.
 
-    Their stages, the matrices of the loop at each sample, are computed together. A flight that is
-    undecided at the end of the schedule is flown again with a later end, if it can go on. `limit`,
-    `rate_limit`: limits of deflection [rad] and rate [rad/s]. `slopes`: alpha_moment and
-    deflection_moment [N m/rad] at the times of the schedule, for a bending moment.
+    Their stages, the matrices of the loop at each sample with the winds, are computed together. A
+    flight that is undecided at its end is flown again as `FlownFlight.further`, with a later end,
+    if it can go on. `limit`, `rate_limit`: limits of deflection [rad] and rate [rad/s]. `slopes`:
+    alpha_moment and deflection_moment [N m/rad] at the times of the schedule; with them the bending
+    moment is an output.
     """
     for part, stages in stages_in_parts(flights):
         flown: list[FlightAlong | None] = []
         further: list[FlownFlight] = []
         for k, along in enumerate(flights[part]):
-            made, f = flown_in_winds(  # outcomes, recorded arrays
+            # wind k of the stages is that of flight k
+            outcome, records = flown_in_winds(
                 stages, np.array([k]), np.array([limit]), np.array([rate_limit]), track=True
             )
-            status = str(made.status[0])
+            status = str(outcome.status[0])
             if status == UNDECIDED and along.further is not None:
                 further.append(along.further)
                 flown.append(None)
                 continue
-            flown.append(with_outputs(along, *tracked_states(f, limit), status, slopes or {}))
+            states = tracked_states(records, limit)
+            flown.append(with_outputs(along, *states, status, slopes or {}))
         # undecided flights again, with later ends, each in its place
         continued = sampled_outputs(further, limit, rate_limit, slopes)
         yield from (next(continued) if made is None else made for made in flown)

@@ -195,18 +195,20 @@ def _batch_of_gains(gains: Autopilot, shape: tuple[int, ...]) -> LawBatch:
 def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: int) -> Memory:
     """Return the step matrices of one law and its filters, padded to `size` states.
 
-    `system`: the law in state space. `chains`: filters of the sensors and the demand. `lengths`:
-    lengths of the steps [s], ``(m,)``. From sensors and demand the law and its filters, connected,
-    give the next states x+ = F [x, sensors, demand], of the law and then of each chain, the law's
-    inputs and the filtered demand, `RETURNED`. The output of a controller in state space takes the
-    place of the attitude, the first of the law's inputs.
+    `system`: the law in state space. `chains`: filters of attitude, rate and demand. `lengths`:
+    lengths of the steps [s], ``(m,)``. Columns are the states x, the `MEASURED` sensor outputs and
+    the demand. Rows give the next states, of the law and then of each chain, then the law's
+    `MEASURED` inputs behind the filters, of which a controller's output takes the first place, and
+    last the filtered demand.
     """
-    blocks = law_blocks(dict(zip(CHAINS, chains, strict=True)), system, SENSED[:2], lengths)
+    attitude_and_rate = SENSED[:2]  # the sensor outputs that have filters
+    chain_of = dict(zip(CHAINS, chains, strict=True))
+    blocks = law_blocks(chain_of, system, attitude_and_rate, lengths)
     first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]
     law = connect(blocks, (*SENSED, LAW_OUTPUT), (first, *LAW_INPUTS[1:], RETURNED))
     n, wide = len(law.states), size + MEASURED + 1
     columns = [*range(n), *range(size, wide)]  # of the states without the padding, and the inputs
-    rows = np.zeros((lengths.size, size + MEASURED + 1, wide))
+    rows = np.zeros((lengths.size, wide, wide))
     rows[:, :n, columns] = join_columns(law.A, law.B)
     rows[:, size:, columns] = join_columns(law.C, law.D)
     return Memory(rows[:, :size], rows[:, size:-1], rows[:, -1])

@@ -37,10 +37,11 @@ class OutcomeCriteria(NamedTuple):
 def outcome_criteria(plant: AnyPlant) -> OutcomeCriteria:
     """Return the criteria of loss and survival of a batch of plants, flattened to p plants.
 
-    A coordinate of an unstable mode [rad] is recoverable below 1/``|B|``, the `reach`, times the
-    deflection limit, B being the trim deflection per angle of attack; of two modes it depends on
-    both, and on `ratio`, the slow over the fast pole. The times `settling` and `waiting` [s] are 5
-    time constants of the fastest and 60 of the slowest unstable mode.
+    `rows`, ``(p, 2, n + 2)``, times n states, deflection and its rate is the coordinate [rad] of
+    the fast and the slow unstable mode, the second zero without a slow one. A single one can be
+    brought back below `reach` = 1/``|B|`` times the deflection limit, B being the trim deflection
+    per angle of attack; of two that depends on both, and on `ratio`, the slow over the fast pole.
+    `settling` and `waiting` [s]: 5 time constants of the fastest and 60 of the slowest mode.
     """
     fast, slow, reach = _unstable_poles(plant)
     two, B = ~np.isnan(slow), np.broadcast_to(plant.coordinate_scale, plant.batch).ravel()

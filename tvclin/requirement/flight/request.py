@@ -152,13 +152,13 @@ class FlightWinds:
         case = self.case
 
         def encountered(vehicle: Vehicle) -> History | PlaneWind:
-            """Return the pulse of a vehicle; `NotKnownError` beyond linear aerodynamics."""
+            """Return the wind angle of a vehicle; `NotKnownError` beyond linear aerodynamics."""
             placed = self.case_of(vehicle, pulse).wind_at(self.dead_band)  # gust at its worst time
             checked_linear(placed.max_angle)
             attitude = float(np.asarray(vehicle.attitude))
             if case.planes != BOTH:
                 return placed.in_plane(case.plane, attitude).history({})  # nothing is dispersed
-            peaks = placed.peaks(attitude)
+            peaks = placed.peaks(attitude)  # the angle in each plane [rad]
             return PlaneWind(**{plane: component_in(placed, peaks, plane) for plane in PLANES})
 
         return encountered
