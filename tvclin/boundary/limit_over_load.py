@@ -278,9 +278,9 @@ class LoadLimits:
 
     @cached_property
     def minimum_load(self) -> float:
-        """Minimum load |alpha + M delta| [rad] that a control computed by linear programs has.
+        """Minimum load |alpha + M delta| [rad], M as in `LoadCase`, of controls by linear programs.
 
-        Its deflection is not bounded. Where none are required it is the lower bound `load_floor`.
+        The deflection is not bounded. Without a need of programs it is the floor `load_floor`.
         """
         if not self._requires_programs:
             return self.load_floor

@@ -172,8 +172,10 @@ class PlanePair:
     def demand_between(self, s: FloatArray, T: FloatArray) -> ComplexArray:
         """Return the demand [rad] of the wind from `s` to `T` [s], pitch + j yaw; zero for T < s.
 
-        It is the constant deflection from `s` on that cancels its excitation of the fast modes.
+        It is the constant deflection from `s` on that cancels the excitation of the fastest mode
+        of each plane by this wind.
         """
+        # less the demand of the wind after T, which has the factor e^(-p (T - s)) at s
         demand = self.wind_demand(s) - self.decayed(self.wind_demand(T), np.maximum(T - s, 0.0))
         return np.where(T > s, demand, 0.0)
 
@@ -425,6 +427,7 @@ def _optimum(
     pair: PlanePair, times: FloatArray, deflections: Vectors, proof: Certificate
 ) -> PlaneOptimum:
     """Return the record of a `pair` for `deflections` [rad] from `times` [s] on, with `proof`."""
+    # trim [rad] in the wind's peak, by which limits are normalised; B: trim over wind angle
     trim_of_peak = abs(float(np.asarray(pair.plants[0].coefficients.B))) * float(pair.wind.peak)
     status = OK if proof.gap < _MAX_GAP else NOT_CONVERGED
     return PlaneOptimum(

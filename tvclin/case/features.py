@@ -134,7 +134,7 @@ def use_of(question: str, feature: str) -> str:
 
 
 def computing_questions(feature: str) -> list[str]:
-    """Return the questions that compute a feature of a case."""
+    """Return the questions (commands, as "study") that compute a feature of a case, as "gust"."""
     return [question for question in QUESTIONS if use_of(question, feature) == COMPUTED]
 
 

@@ -136,7 +136,7 @@ class GainProblem:
 
     @property
     def trims(self) -> FloatArray:
-        """Largest trim deflections ``|B alpha_w,max|`` [rad], ``(winds,)``."""
+        """Trim deflections [rad] at each wind's peak, ``(winds,)``; B: trim over wind angle."""
         peaks = [float(wind.peak) for wind in self.winds]
         return np.abs(float(self.plant.coefficients.B) * np.array(peaks))
 

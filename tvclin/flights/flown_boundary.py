@@ -221,9 +221,9 @@ def flown_boundary(
     frozen : bool
         Whether mass, forces and speed are constant; an engine may require it.
     tolerance : float
-        Tolerance of the limit, over ``|B alpha_w,max|``.
+        Tolerance of the limit, over ``|B alpha_w,max|``, the trim deflection at the wind's peak.
     highest : float
-        Largest limit of the search, over ``|B alpha_w,max|``.
+        Largest limit of the search, over the same.
     **options
         Further options of the engine: for "planar" drift, condition, actuator and rate_limit, see
         `fly_planar`; for "sixdof" also step and earth, see `fly_sixdof`; in both planes drift,

@@ -299,7 +299,8 @@ class FlexiblePlant(Shown, WithCoefficients):
         accelerometer ahead of the centre of gravity [m]. `InputError` for a drift rate in a model
         without flight path. Sensors measure the bending too: the sums are over the modes, with
         amplitude eta [m], displacement phi and slope sigma [1/m] at the sensor; z'' is the
-        acceleration normal to the path, and a = (T - F_A)/m the axial one [m/s^2]:
+        acceleration normal to the path, and a = (thrust - axial force)/m the axial one [m/s^2];
+        V, gamma, theta are speed, flight path angle and attitude:
 
             drift rate     V gamma + sum phi eta'
             acceleration   z'' + x theta'' + sum phi eta'' - a (theta + sum sigma eta)
@@ -355,8 +356,8 @@ class FlexiblePlant(Shown, WithCoefficients):
         """Accelerations of drift, attitude, modes and tanks per state and per input.
 
         Shapes ``(..., bodies + 2, states)`` and ``(..., bodies + 2, inputs)``, bodies being modes
-        and tanks; the states are plant, modes and tanks, without sensors. The motions are
-        per angle of attack, which is theta - gamma - alpha_w here.
+        and tanks; the states are plant, modes and tanks, without sensors. Forces of the air are per
+        angle of attack: here attitude minus flight path angle minus wind angle.
         """
         accelerations, positions = self._motions, self._positions
         rigid, bodies = len(self.rigid.states), positions.size - 1

@@ -50,10 +50,10 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     """Return the accelerations per state and input of a vehicle with its structure.
 
     From M q'' + C q' + K q = forces, with mass, damping and stiffness matrix, of the amplitudes q:
-    translation, rotation, bending modes and liquids. The air acts at the centre of pressure, with N
-    [N/rad] times the displacement of each motion there. Batches of both broadcast. `InputError`
-    where the mass matrix is not positive definite, and for a pendulum without a positive axial
-    acceleration.
+    translation, rotation, bending modes and liquids. The air acts at the centre of pressure, with
+    the normal force slope N [N/rad] times the displacement of each motion there. Batches of both
+    broadcast. `InputError` where the mass matrix is not positive definite, and for a pendulum
+    without a positive axial acceleration.
     """
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
     rows = _AmplitudeRows(shape, bodies=2 + len(structure.bending), tanks=len(structure.slosh))

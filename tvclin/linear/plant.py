@@ -401,8 +401,9 @@ class Plant(WithCoefficients):
         `signal`: "drift_rate", the velocity normal to the nominal path, V gamma [m/s]; or
         "acceleration", which a body-mounted accelerometer measures, (N alpha + T_c delta)/m + x
         theta'' [m/s^2]. `station`: position x of the accelerometer ahead of the centre of gravity
-        [m]. `InputError` for coefficients without velocity, a model without flight path angle
-        (drift rate), and a vehicle with mu_alpha = 0.
+        [m]. N, T_c: normal force per angle of attack and control thrust. `InputError` for
+        coefficients without velocity, a model without flight path angle (drift rate), and a vehicle
+        with mu_alpha = 0.
         """
         station = number("station", station, STATION_RANGE, "m")
         A, B, C, D = self.matrices()

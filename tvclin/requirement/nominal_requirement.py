@@ -278,8 +278,9 @@ def survivable_peak(
 
     It is at nominal dynamic pressure; a `Study` has the verdict on a vehicle.
     The inverse of `required_deflection`: ``|limit|/(y |B|)``, y being the required limit over the
-    trim ``|B alpha_w,max|``. It has the sign of the wind, and is at most 30 deg: above that linear
-    aerodynamics says nothing, and a limit that survives a peak of 30 deg may survive more, or not.
+    trim ``|B alpha_w,max|``, B trim deflection per wind angle. The peak has the sign of the wind,
+    and is at most 30 deg: above that linear aerodynamics says nothing, and a limit that survives a
+    peak of 30 deg may survive more, or not.
 
     Parameters
     ----------

@@ -350,7 +350,7 @@ class FixedWind:
 
     @property
     def nominal(self) -> dict[str, float]:
-        """Empty: the wind has no dispersed number."""
+        """Nominal values by the names of their dispersions: none, as the wind is not dispersed."""
         return {}
 
     @property
@@ -400,7 +400,7 @@ class WindEnsemble:
 
     @property
     def nominal(self) -> dict[str, float]:
-        """Empty: a sampled wind has no dispersed number."""
+        """Nominal values by the names of their dispersions: none, as winds are drawn by index."""
         return {}
 
     @property

@@ -91,7 +91,7 @@ class RateProgram:
 
     @property
     def steps(self) -> FloatArray:
-        """Largest change of the deflection in each interval over `unit`, ``(k - 1,)``."""
+        """Largest change of the deflection between two of k nodes, over `unit`, ``(k - 1,)``."""
         return self.rate * np.diff(self.nodes) / self.unit
 
     def residual(self, values: FloatArray) -> float:

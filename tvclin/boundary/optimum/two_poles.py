@@ -211,7 +211,10 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
 
 
 def _checked_poles(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
-    """Return slow pole `beta1`, fast pole `beta2` [1/s] and `K1_ratio` as positive float arrays."""
+    """Return slow pole `beta1`, fast pole `beta2` [1/s] and `K1_ratio` as positive float arrays.
+
+    `K1_ratio`: drift factor K1 at the slow pole over that at the fast pole.
+    """
     b1, b2 = positive("beta1", beta1, "1/s"), positive("beta2", beta2, "1/s")
     K = positive("K1_ratio", K1_ratio)
     together(beta1=b1, beta2=b2, K1_ratio=K)

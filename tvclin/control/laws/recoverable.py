@@ -123,7 +123,9 @@ class RecoverableAttitudeLaw(Law):
         """Parameters of the law for compiled flights, see the class.
 
         The coordinates [rad] of the fast and, with drift, of the slow unstable mode are sums of
-        attitude, its rate and flight path angle, with the factors of a left eigenvector.
+        attitude, its rate and flight path angle, with the factors of a left eigenvector. The law
+        leans: it turns the attitude into the wind, up to the fraction `reach` of the largest
+        coordinate from which the vehicle can return.
         """
         modes = measured_coordinates(self.plant)
         # A row of two on a fixed path has a zero for the flight path angle.
@@ -140,7 +142,8 @@ class RecoverableAttitudeLaw(Law):
             slow_rate=slow_rate,
             slow_path=slow_path,
             ratio=modes.ratio,
-            # k of the fast mode, z' = s (z - u - k w): u is deflection/B, w the wind angle
+            # k of the fast mode, z' = s (z - u - k w): u is deflection/B, w the wind angle, and B
+            # trim deflection per angle of attack
             wind=float(modes.wind[0]),
             B=float(self.plant.coefficients.B),
             reach=self.reach,  # of the lean, over the largest recoverable coordinate

@@ -178,7 +178,7 @@ class Loop:
 
     @property
     def delay(self) -> FloatArray:
-        """Delay [s], ``(...)``."""
+        """Delay [s] of each loop, in the shape of the batch."""
         return self.form.delay.reshape(self.batch)
 
     @property

@@ -361,10 +361,10 @@ class Judge:
     def _marched(
         self, soundings: SoundingWinds, within: FloatArray, a: int, strong: bool = False
     ) -> Iterator[tuple[int, MarchedWinds]]:
-        """Iterate over indices of planes, and all winds in the plane that a flight must survive.
+        """Iterate over pairs of a plane's index and winds there, which n flights must survive.
 
-        They are the n winds with bounds of their requirements, for either sign of `additions`: the
-        growth of the wind until launch, the gust at each of its times; and of unknown wind.
+        Each pair has a wind for each of n soundings, with bounds of its requirement. There is one
+        for each sign of `additions` (growth until launch, gust) and each time of the gust.
 
         `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: index of the
         azimuth. `strong`: whether a wind that is not known is strong, or calm.

@@ -180,9 +180,10 @@ class PlaneMarch:
         """Return the limit [rad] that n winds require at their levels, ``(n,)``.
 
         It is the largest min(trim, demand) at the times of `winds`, most of which lie within a
-        step; the demand is the limit sufficient when held from then on. Trim is -B q/q_n alpha_w,
-        and what balances drift, linear between the ends of steps. Where two unstable modes are a
-        pair, trim alone counts. `march`, `stepped`: of the steps, trim and demand, wind and q/q_n.
+        step; the demand is the limit sufficient when held from then on. Trim is -B q/q_n alpha_w
+        (dynamic pressure over the nominal one, wind angle), and what balances drift, linear between
+        the ends of steps. Where two unstable modes are a pair, trim alone counts. `march`: trim and
+        demand over the steps. `stepped`: wind and q/q_n there.
         """
         steps, equations = self._steps  # begin, middle and end of S steps, (1, S, 3)
         # row of the angular acceleration in [A b w], whose last columns are deflection and wind

@@ -320,7 +320,7 @@ class CampaignResults(Tabled):
         return replay_case(self.campaign, case, self.manifest.compiled)
 
     def _columns(self) -> Columns:
-        """Return all columns with their units, and what identifies the campaign."""
+        """Return all columns over the cases, with units, and what identifies the campaign."""
         units, plan = UNITS_OF | columns(self.campaign), self.campaign
         case, *others = self._names
         values = self._read(self._names)

@@ -121,7 +121,7 @@ class Stages:
 
     @cached_property
     def flight(self) -> IntArray:
-        """Index of the flight of each sample, ``(n,)``."""
+        """Index of the flight of each sample, ``(n,)``; the end of a flight counts as a sample."""
         return np.repeat(np.arange(self.samples.size), self.samples + 1)
 
     @cached_property
@@ -254,7 +254,8 @@ class Stages:
     def steps(self) -> Steps:
         """Transition matrices over each of the n samples of all flights, and over their substeps.
 
-        The matrices of substeps, `fine`, differ only where a part of a sample has several.
+        `joint` is of whole parts of a sample, `fine` of substeps, the same unless a part has
+        several, `ramp` of a deflection that is linear over a substep.
         """
         arrays = self._arrays
         fine = arrays.get("fine", arrays["joint"])

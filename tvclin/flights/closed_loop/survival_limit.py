@@ -329,7 +329,7 @@ def closed_loop_boundary(
         Number of sudden stops of the wind, at equidistant times: a limit survives if it survives
         the wind with each of them.
     lowest, highest : float
-        Range of the limits, over ``|B alpha_w,max|``.
+        Range of the limits, over ``|B alpha_w,max|``, the trim deflection at the wind's peak.
     progress : callable, optional
         Called with the number of winds flown and their largest total.
 

@@ -444,7 +444,7 @@ class Airframe:
     def _restart(self) -> tuple[float, float]:
         """Reset JSBSim to the start; return attitude and flight path angle [rad] in the plane."""
         self.engine.reset()
-        return self._readers[self._plane].angles()
+        return self._readers[self._plane].angles()  # readers of the motion in pitch and in yaw
 
     def _deviation_rows(
         self,

@@ -381,8 +381,8 @@ def _rule(design: AutopilotDesign) -> str:
 def _design(design: AutopilotDesign, v: Values) -> AutopilotDesign:
     """Return the autopilot design of the values `v` of the controls; `design`: of the file.
 
-    Numbers of a rule stay while the rule is as in the file. Added gains stay always, filters
-    where their switch is on.
+    Its gains are numbers of controls (`OWN`), or follow from a rule, with the parameters of the
+    file if the file has this rule. `ADDED_GAINS` stay always, filters where their switch is on.
     """
     rule, chains = v["design"], design.chains if v["filters"] else {}
     gains: Any = {"design": rule}
