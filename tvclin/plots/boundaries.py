@@ -471,11 +471,12 @@ def _figure(
     along: ArrayLike = 4.0,
     engine: str | None = None,
 ) -> ControlPlot:
-    """Return figure 10 or 11 of the report: boundary limits y_BR over tau beta, by dead band.
+    """Return figure 10 or 11 of the report: boundary limits over the duration, by dead band.
 
-    `number`: 10 or 11. `name`: name of the vehicle. `dead_bands`: K, a panel each. `tau_beta`:
-    durations of winds times the unstable pole, of flights with a frozen vehicle. `along`: those of
-    flights along the flight. `engine`: name of the engine of flights, None for the usual one.
+    Limits are y_BR, over static trim; durations tau beta, times the unstable pole. `number`: 10 or
+    11. `name`: name of the vehicle. `dead_bands`: K, a panel each. `tau_beta`, `along`: durations
+    that are flown with a frozen vehicle, and with one whose parameters vary along its trajectory.
+    `engine`: name of the engine of these flights, None for the usual one.
     """
     engine = chosen_engine(engine)
     errors.instance("vehicle", name, str, "what load_vehicle finds it by")
@@ -513,9 +514,9 @@ def _panel(
     """Return the curves of boundary limits y_BR for one dead band, by equations and by flights.
 
     `panel`: heading. `name`: name of the vehicle. `K`: the dead band. `x`: durations tau beta of
-    the curves, ``(n,)``. `durations`: those of flights with a frozen vehicle, and along the flight,
-    among `x`; flights are NaN at others. `engine`: name of the engine of flights. The planar engine
-    also flies a frozen vehicle at the durations along the flight.
+    the curves, ``(n,)``. `durations`: two arrays, flown with a frozen vehicle and with one whose
+    parameters vary along its trajectory, all among `x`; flights are NaN at others. `engine`: name
+    of the engine of flights. The planar engine also flies a frozen vehicle at the second durations.
     """
     c = Coefficients.from_vehicle(load_vehicle(name))
     limits_of = {

@@ -220,14 +220,17 @@ def is_flight(source: str | PathLike[str]) -> bool:
 
 
 def is_flight_with_keys(source: str | PathLike[str]) -> bool:
-    """Return whether a source is a flight schedule with keys set, which has no single vehicle."""
+    """Return whether a source is a flight schedule with keys of --set, so without a single vehicle.
+
+    `source`: text or name of the file, as `source_tables` takes it.
+    """
     return _of_a_vehicle(source_tables(source)) and is_schedule(vehicle_source(source))
 
 
 def _of_a_vehicle(document: Mapping[str, Any]) -> bool:
-    """Return whether a document is a study of a vehicle or schedule alone, with keys set.
+    """Return whether a document is of a vehicle or schedule alone, with further keys of --set.
 
-    Its vehicle is then an `EditedSource`, in place of a name or path.
+    The vehicle in its [study] is then an `EditedSource`, in place of a name or path.
     """
     return isinstance(document.get("study", {}).get("vehicle"), EditedSource)
 

@@ -291,7 +291,7 @@ class Equations:
 
     @property
     def drifts(self) -> bool:
-        """Whether the flight path takes part in the motion."""
+        """Whether the flight path is a state, beside attitude and rate: more rows of [A b w]."""
         return self.nominal.shape[-2] > 2
 
     @property

@@ -114,7 +114,7 @@ class Encounter(Protocol):
         """A history with the breakpoints and rates of the wind."""
 
     def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles [rad] and dynamic pressures over the nominal one at `times` [s]."""
+        """Return wind angles [rad] and q/q_n (q_n: nominal q) at `times` [s], in their shape."""
 
 
 def step_counts(wind: History, motion: Motion) -> FloatArray:

@@ -184,9 +184,9 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     -------
     float or ndarray
         tau [s] at which y = 1, y being the peak that the slow pole requires by itself over that of
-        the fast one, with the actual poles of the third-order model and their K1_i; longer winds
-        require markedly more deflection than the fast pole alone requires. NaN for a vehicle
-        without two real unstable poles.
+        the fast one, with the actual poles of the third-order model and their drift factors K1;
+        longer winds require markedly more deflection than the fast pole alone requires. NaN for a
+        vehicle without two real unstable poles.
 
     Examples
     --------

@@ -493,7 +493,8 @@ class Stages:
         def at(times: FloatArray, index: IntArray) -> dict[str, FloatArray]:
             """Return the criteria of loss and survival at times [s], by name.
 
-            "judges": rows on the `width` states of the loop. `index`: of the samples in `judged`.
+            As in `OutcomeCriteria`, with its rows as "judges", on the `width` states of the loop.
+            `index`: of the samples in `judged`.
             """
             criteria = outcome_criteria(self.plants_at(times, self.flight[judged[index]]))
             judges = widened(criteria.rows, width, len(self.sensors.states))

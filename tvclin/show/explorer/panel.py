@@ -373,7 +373,10 @@ class Panel:
             self._timer = loop.call_later(_EVENT_TIME, self._next, choices, steps + 1)
 
     def _next(self, choices: Choices, steps: int) -> None:
-        """Compute some steps of the answer to choices, the last perhaps slow, then continue."""
+        """Compute the first `steps` of an answer's results, then show them (`_complete`).
+
+        `choices`: values of the controls. The last step may be slow.
+        """
         answer(choices, steps)  # cached, so that the slow step takes no time of `_complete`
         self._complete(choices, steps)
 
