@@ -501,8 +501,9 @@ class _Case:
     def no_forecast_limit(self, rate: float) -> float:
         """Return the lower bound [rad] without a forecast, at a rate limit `rate` [rad/s].
 
-        It is the end of a ramp with the effect of `law_bound`, constant from the start. Zero for a
-        wind that changes its sign, which has no such bound, and for a law with a forecast.
+        It is the end of a ramp at this rate that moves the fastest mode as much as the bound
+        without a rate limit, `law_bound`, does at once. Zero for a wind that changes its sign,
+        which has no such bound, and for a law with a forecast.
         """
         return float(ramped_deflection(self.law_bound, self.pole, rate))
 

@@ -124,7 +124,10 @@ class Case:
 
     @property
     def law_model(self) -> str:
-        """Model of the plant in flights of laws, without the speed, which laws do not measure."""
+        """Model of the plant in flights of laws: `loop_model`, but with constant speed.
+
+        Laws do not measure the speed.
+        """
         return DEFAULT_MODEL if self.model == "drift-and-speed" else self.loop_model
 
     @cached_property

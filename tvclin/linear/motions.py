@@ -113,8 +113,8 @@ def _mass_damping_stiffness(
     phi_b there of the motion b; in K its weight under the axial acceleration a turns the vehicle,
     -m_j a sigma_b, with the slope sigma_b there, and the axial forces turn with the body.
 
-    `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes: translation,
-    rotation, bending modes and liquids.
+    `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes, translation,
+    rotation, bending modes, then liquids; its `of` fills omitted last ones with zeros.
     """
     modes, tanks, bodies = structure.bending, structure.slosh, rows.bodies
     a = axial_acceleration(v)

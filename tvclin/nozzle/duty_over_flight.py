@@ -477,6 +477,7 @@ def _verdict(
     angles = np.array([abs(x.duty.angle.value) if x.duty else 0.0 for x in points])
     travel = float(np.max([duty.travel for duty in duties], initial=0.0))
     required = requirements_on_nozzle(nozzle, flown, travel)
+    # the angle that theory or flight requires, the larger, over the limit of the plane
     ratio = float(np.max(np.maximum(theory, angles) / limit, initial=0.0))
     # the limit of the nozzle in proportion to the point that takes most of the limit in its plane
     required["limit"] = conditions.limit * ratio

@@ -392,7 +392,7 @@ def _imaginary(N: ComplexArray, D: ComplexArray) -> FloatArray:
 def _lag_to_real_axis(N: ComplexArray, D: ComplexArray) -> FloatArray:
     """Return the phase lag [rad] until N/D is real and negative: arg(-N conj(D))."""
     real = -(N.real * D.real + N.imag * D.imag)
-    return np.arctan2(_imaginary(N, D), real)
+    return np.arctan2(_imaginary(N, D), real)  # of -N conj(D), as `real`
 
 
 def _closed_loop_peaks(

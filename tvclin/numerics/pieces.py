@@ -509,11 +509,13 @@ def _forced_states(c: AnyArray, rates: AnyArray, widths: FloatArray, pole: AnyAr
     c_k h^(k+1) e^(p h) M_k((p - rate) h) with M_k of `moments`; where the rate does not decay
     faster than the pole, expanded from the end of the piece, so that no exponential overflows.
     """
+    # products below have the axes pieces, rates and powers k; both are summed at the end
     order, width = c.shape[-1], widths[..., np.newaxis]
     gap = (pole[..., np.newaxis] - rates)[..., np.newaxis, :]
     from_start = np.real(gap) > 0.0
-    scale = powers(width, order)
+    scale = powers(width, order)  # h^(k+1)
     span = gap * width
+    # terms expanded from the start of the piece, then from its end
     first = c * moments(np.where(from_start, span, 0.0), order - 1)
     first = first * np.exp(pole[..., np.newaxis] * widths)[..., np.newaxis, np.newaxis]
     last = recentred(c, rates, widths) * moments(np.where(from_start, 0.0, -span), order - 1)

@@ -202,8 +202,9 @@ class FlightPath:
         It is the largest speed that a sounding may have, or less where its angle would be beyond
         linear aerodynamics, above 30 deg.
         """
-        speed = np.interp(height, self.height, self.speed)
-        return np.minimum(MAX_WIND_SPEED, np.sin(MAX_LINEAR_ANGLE) * speed)
+        flight_speed = np.interp(height, self.height, self.speed)
+        # no slower wind turns the airspeed by this angle, in any direction
+        return np.minimum(MAX_WIND_SPEED, np.sin(MAX_LINEAR_ANGLE) * flight_speed)
 
     def nominal_angle(self, wind: FloatArray, times: FloatArray, plane: str) -> FloatArray:
         """Return wind angles [rad] of winds [m/s] at the nominal speed of the flight.

@@ -397,6 +397,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     for a motion without bounds. `along`: the flight, with its autopilot and wind.
     """
     wind, inner, delay = along.wind.history, along.breaks, float(np.unique(along.law.delay)[0])
+    # breakpoints and coefficients, lowest power first, of one history: a batch of one
     knots, pieces = (array[0] for array in polynomial_pieces(wind.pieces))
 
     def loop_at(times: FloatArray) -> LinearSystem:
@@ -412,7 +413,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     # steps shorter than rounding are joined
     times = times[np.append(True, np.diff(times) > 1e-9 * max(abs(along.stop), 1.0))]
     lengths, terms = np.diff(times), pieces.shape[1]
-    systems = [
+    systems = [  # the loop with the wind's polynomial, at both Gauss points of all steps
         connect([loop_at(times[:-1] + node * lengths), polynomial_input("wind", terms)], (), ())
         for node in GAUSS_NODES
     ]
@@ -432,8 +433,7 @@ def _continuous(along: FlownFlight) -> tuple[FloatArray, FloatArray, FloatArray]
     loop = loop_at(times)
     row = loop.select(("wind",), ("deflection",))
     C, D = (np.broadcast_to(m, (times.size, 1, m.shape[-1]))[:, 0] for m in (row.C, row.D))
-    gust = np.asarray(wind(times))
-    deflection = np.sum(C * states, axis=1) + D[:, 0] * gust
+    deflection = np.sum(C * states, axis=1) + D[:, 0] * np.asarray(wind(times))
     n = len(plants.states)
     if laws.actuator is not None and laws.actuator.damping is not None:
         rates = states[:, loop.states.index("actuator_rate")]

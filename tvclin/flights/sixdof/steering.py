@@ -164,7 +164,8 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     `count`: length [s] and number of the steps.
     """
     demand_of, engage, release = law.demand, law.engage * limit, law.release * limit
-    memory = np.zeros(len(law.states[0]))
+    F, _ = law.states  # of s' = F s + G m, s being the states
+    memory = np.zeros(len(F))
     steps = law.state_space.to_steps(step)
     level, seed = law.rate_noise  # standard deviation [rad/s]
     noise = np.random.default_rng([seed, 0]).normal(0.0, level, count).tolist() if level else None

@@ -100,9 +100,10 @@ class Choices:
 
     @property
     def gust_inputs(self) -> StudyPlan:
-        """Plan of the values on which the time of a gust in the response depends.
+        """Plan of the values on which the worst time of a gust depends, for the shown motion.
 
-        Its dead band counts for the report's control alone; for a law it is 1.
+        The dead band counts for the report's control alone; for a law it is 1. The autopilot never
+        counts: equal plans give an equal time.
         """
         p = self.plan
         K = p.dead_band if self.law == REPORT else 1.0
