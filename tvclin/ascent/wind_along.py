@@ -141,8 +141,9 @@ def _sounding(
 ) -> WindAlong:
     """Return the wind of a sounding along a flight, in one plane.
 
-    `wind`: the sounding along this flight. `plane`: of the wind angles, pitch or yaw. `sign`:
-    "frozen" for the nominal dynamic pressure, or None. `gust_time`: time of flight [s] of its gust.
+    `wind`: the sounding along this flight, `known` between two times of it. `plane`: of the wind
+    angles, pitch or yaw. `sign`: "frozen" for the nominal dynamic pressure, or None. `gust_time`:
+    time of flight [s] of its gust.
     """
     if sign in wind_angles.SIGNS:
         raise InputError(

@@ -63,7 +63,10 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     numerator = wind_numerator(autopilot, plant)
 
     def negative_gain(omega: FloatArray) -> FloatArray:
-        """Return -|G(j omega)| at frequencies [rad/s]: `numerator` over D + N of L = N/D."""
+        """Return -|G(j omega)| at frequencies [rad/s], in their shape.
+
+        G, from wind to deflection, is `numerator` over D + N of the open loop's L = N/D.
+        """
         N, D = (term.reshape(omega.shape) for term in loop.form.parts(omega.reshape(1, -1)))
         return -np.abs(polynomials.value(numerator, 1j * omega) / (D + N))  # N with its delay
 

@@ -217,7 +217,8 @@ def _converges(values: dict[str, FloatArray], shape: tuple[int, int], axis: int)
         for array in values.values()
     ]
     points, degree = np.concatenate(arrays, axis=1), shape[axis] - 1
-    starts = np.cumsum([0, *(array.shape[1] for array in arrays[:-1])])  # first column of each
+    # first column of each array: values are compared in proportion to the largest of their array
+    starts = np.cumsum([0, *(array.shape[1] for array in arrays[:-1])])
     # every second point is one of half the degree; factors that give those between from these
     middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
     # from the first point, so that a constant is interpolated without rounding

@@ -458,7 +458,7 @@ def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
     polynomial times e^(pole u) instead of a difference of two exponentials. An endless last piece
     is resonant for a limited time only: there it gets one more knot. In each piece y is a
     particular solution, with the rates of f, plus a polynomial times e^(pole u), whose constant
-    makes y continuous at the knot.
+    makes y continuous at the knot. Coefficients have the axes knots, rates, powers of u.
     """
     shape = np.broadcast_shapes(pieces.batch, pole.shape)
     pieces = _split_endless(spread(pieces, shape), pole)
@@ -473,7 +473,8 @@ def lag(pieces: Pieces, pole: AnyArray) -> Pieces:
     degree = pieces.degree + (terms if np.any(resonant) else 0)
     particular = _particular_solution(np.where(resonant[..., np.newaxis], 0.0, c), gap)
     resonant_terms = _resonant_solution(np.where(resonant[..., np.newaxis], c, 0.0), gap, degree)
-    homogeneous = resonant_terms.sum(axis=-2)
+    homogeneous = resonant_terms.sum(axis=-2)  # polynomials of e^(pole u), (knots, powers)
+    # the constant: y at the knot, less the particular solution there
     homogeneous[..., 0] = homogeneous[..., 0] - particular[..., 0].sum(axis=-1)
     homogeneous[..., 0] = homogeneous[..., 0] + _knot_states(pieces, pole)
     out = np.zeros(

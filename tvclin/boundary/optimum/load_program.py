@@ -328,7 +328,8 @@ class LoadProgram:
         """Return b and s: no deflection has a peak below b - s load [rad], with its largest load.
 
         By duality: a sum of loads with any `weights` is at most their sizes times the largest load,
-        and at least the sum for the reference deflection, less A, less N times the peak (`proof`).
+        and at least the sum for the reference deflection, less A, less N times the peak: b = (sum -
+        A)/N and s = sizes/N (`LoadWeights.proof`).
         `weights`: multipliers of the load rows at the nodes; with M, of both ends of each cell.
         `prices`: of the unstable modes. `rate_prices`: of the rate limit by cell, or None.
         """

@@ -313,9 +313,10 @@ class Window:
     def vanishing_at(self, times: FloatArray) -> FloatArray:
         """Return multipliers lambda ``(n,)`` whose sum lambda . e is zero, or smallest, at `times`.
 
-        They are the right singular vector of the smallest singular value of the e_i at these times
-        [s], ``(k,)``, with rows and columns scaled to like sizes against rounding. Without times
-        they are the demands over the squared `sizes` of the e_i (bounds of their L1 norms).
+        They are the right singular vector of the smallest singular value of the exponentials e_i of
+        the unstable poles (`Constraints.basis`) at these times [s], ``(k,)``, with rows and columns
+        scaled to like sizes against rounding. Without times they are the demands over the squared
+        `sizes` of the e_i (bounds of their L1 norms).
         """
         c = self.constraints
         if not times.size:

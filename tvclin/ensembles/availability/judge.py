@@ -301,8 +301,8 @@ class Judge:
         """Return bounds of the required deflections [rad] of n winds in a azimuths, ``(3, a, n)``.
 
         Rows: lower bound by theory, upper bound, and the lowest limit with which a flight of the
-        trim law may survive, less than the first where trim reaches a limit more than once. The
-        limit shape combines both planes. `within`: heights [m] between which the winds of
+        trim law may survive. Where trim reaches a limit more than once that is below the first row.
+        The limit shape combines both planes. `within`: heights [m] between which the winds of
         `soundings` are judged, ``(n, 2)``. `strong`: whether a wind that is not known is strong, or
         calm.
         """

@@ -147,7 +147,10 @@ def _overshoots(batch: Batch, f: Flights) -> FloatArray:
 
 
 def flown_by_modes(batch: Batch) -> Flights:
-    """Return the flights of a batch at their ends, of `finish_by_modes`, as arrays."""
+    """Return the flights of a batch at their ends, as arrays, each stopped when its end is known.
+
+    A flight within its limits survives if its modes decay; see `finish_by_modes`.
+    """
     f = flights(batch)
     finish_by_modes(f, batch)
     return f

@@ -335,13 +335,14 @@ class Airframe:
         model = model_xml(vehicle, heading, departure)
         engine = Engine(model, initial, step, planet=planet, drift=drift)
         self.engine, self._step = engine, step
+        # by plane, pitch and yaw: functions that write or read JSBSim's properties
         self._deflection_setters = {name: engine.writer(path) for name, path in DEFLECTIONS.items()}
         self._readers = {name: motion_readers(engine, name, heading) for name in DEFLECTIONS}
         self._wind_setters = {name: wind_setter(engine, name, heading) for name in DEFLECTIONS}
         self._plane, c = plane, Coefficients.from_vehicle(vehicle, plane)
         # of the attitude hold of the nominal flight; a frozen vehicle over a plane needs none
         self._gains = _hold_gains(c) if surroundings else None
-        self._nominal: list[Row] = []
+        self._nominal: list[Row] = []  # outputs of the nominal flight by step, flown when needed
 
     def fly(
         self,
