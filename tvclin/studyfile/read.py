@@ -220,8 +220,9 @@ def is_flight(source: str | PathLike[str]) -> bool:
 
 
 def is_flight_with_keys(source: str | PathLike[str]) -> bool:
-    """Return whether a source is a flight schedule with keys of --set, so without a single vehicle.
+    """Return whether a source is a flight schedule to which --set has added keys.
 
+    Such a source is the text of a study of the schedule with these keys, and no single vehicle.
     `source`: text or name of the file, as `source_tables` takes it.
     """
     return _of_a_vehicle(source_tables(source)) and is_schedule(vehicle_source(source))

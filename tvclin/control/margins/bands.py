@@ -399,10 +399,12 @@ def _mode(terms: Terms, analysis: LoopAnalysis, k: int, closed: AnyArray) -> dic
     pole = terms.plant[:, k]
     owned = _owned(terms, analysis, k)
     peak, frequency = mode_peak(terms, k)
+    # whether the mode's term is the largest of L at its own frequency
     dominant = terms.owner(np.nan_to_num(np.imag(pole), nan=1.0)[:, np.newaxis])[:, 0] == k
     crosses = np.any(~np.isnan(owned.phases), axis=-1)  # |L| is one at an owned frequency
     by_phase = crosses | (dominant & (peak >= 1.0))
-    # The first kind that holds: closed-loop pole unstable, |L| reaches one, not the largest term.
+    # How the mode is stabilised, the first that holds: not at all; by phase, for |L| reaches one;
+    # with the rigid body, for the mode is not the largest term; else by gain.
     kinds = np.select([closed.real > 0.0, by_phase, ~dominant], [UNSTABLE, PHASE, RIGID], GAIN)
 
     def smallest_positive(phases: FloatArray) -> FloatArray:

@@ -204,7 +204,8 @@ class PlaneMarch:
         position = (times - ends[0]) / (ends[1] - ends[0])  # in steps, which are even
         demand = march.demand_at(case, position)
         is_paired = np.interp(times, ends, paired[0]) > 0.0
-        level = np.where(is_paired, np.abs(trim), smaller(trim, demand, None))
+        smaller_size = smaller(trim, demand, sign=None)  # zero where their signs differ
+        level = np.where(is_paired, np.abs(trim), smaller_size)
         return np.asarray(level.max(axis=1))
 
     def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:

@@ -483,7 +483,7 @@ class Stages:
         `JUDGED_SAMPLES` samples after its wind, or in its last seconds.
         """
         is_judged = np.zeros(self.times.size, bool)
-        after, _ = self._judged  # sample of its flight after which each wind is judged
+        after, _ = self._judged  # from the start of the flight, samples before each wind is judged
         for flight, sample in zip(self.flight_of_wind, after, strict=True):
             start = self.first_sample[flight]
             last = start + self.samples[flight]
@@ -500,7 +500,7 @@ class Stages:
             judges = widened(criteria.rows, width, len(self.sensors.states))
             return {"judges": judges, "reach": criteria.reach, "ratio": criteria.ratio}
 
-        # the criteria are smooth functions of time within each interval between breakpoints
+        # criteria are smooth between breakpoints; a sample counts to the interval of its start
         interval = self._interval(self.breaks, crossing=True)[judged]
         arrays = {}
         for name, values in smooth_values(at, self.times[judged], interval).items():
