@@ -141,9 +141,9 @@ def _sounding(
 ) -> WindAlong:
     """Return the wind of a sounding along a flight, in one plane.
 
-    `wind`: the sounding along this flight, `known` between two times of it. `plane`: of the wind
-    angles, pitch or yaw. `sign`: "frozen" for the nominal dynamic pressure, or None. `gust_time`:
-    time of flight [s] of its gust.
+    `wind`: the sounding along this flight, `known` between two times of it, with a gust or without.
+    `plane`: of the wind angles, pitch or yaw. `sign`: "frozen" for the nominal dynamic pressure, or
+    None; no other, for its direction is measured. `gust_time`: time of flight [s] of the gust.
     """
     if sign in wind_angles.SIGNS:
         raise InputError(
@@ -152,9 +152,12 @@ def _sounding(
     if (wind.gust is None) != (gust_time is None):
         raise InputError("gust_time must be given for a sounding with a gust, and for no other")
     history: History = wind.wind
-    if gust_time is not None:  # the whole sounding, not only a window about the gust
+    if gust_time is not None:
         time = number("gust_time", gust_time, unit="s")
-        history = replace(wind, window=None).of_both_signs(flight.at(time).rigid)
+        # the gust is placed at the time of the vehicle, of which the structure has no part; the
+        # whole sounding, not a window about the gust, with positive and negative wind angles
+        vehicle = flight.at(time).rigid
+        history = replace(wind, window=None).of_both_signs(vehicle)
     speeds = None if sign == wind_angles.FROZEN else wind.speeds
     return sounding_along(history, speeds, plane, wind.known)
 

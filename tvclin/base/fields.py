@@ -251,9 +251,10 @@ def chosen(record: Any, *names: str) -> list[Field]:
 
 
 def document(record: Any, *names: str) -> dict[str, Any]:
-    """Return the fields `names`, or all, of a record by document key, in degrees and dB.
+    """Return the fields `names`, or all, of a record by key, in degrees and dB, for JSON.
 
-    Keys of a mapping among the values become text, as JSON requires.
+    A key is the field's name with the unit at its end, such as "peak_deg". Keys of a mapping among
+    the values become text, as JSON requires.
     """
     values = {item.document_key: item.value(record) for item in chosen(record, *names)}
     return {

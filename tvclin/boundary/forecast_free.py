@@ -58,7 +58,8 @@ class UnstableCoordinates:
     """The coordinates of the unstable modes of one plant, the fastest first.
 
     `poles`: s [1/s], ``(N,)``, N being one or two. `left_eigenvectors`: l, ``(N, n)``, with
-    z = l @ states [rad]. `wind`: k, ``(N,)``: the report's K1 of each pole.
+    z = l @ states [rad]. `wind`: k, ``(N,)``, the coordinate at equilibrium in a steady wind over
+    the wind angle: the report's K1 of each pole.
     """
 
     poles: FloatArray
@@ -133,7 +134,8 @@ def coordinate_rows(plant: AnyPlant, pole: FloatArray, B: FloatArray) -> FloatAr
 
     `plant`: a batch of p plants, or one, with n states. `pole`: an unstable pole s [1/s] of each,
     ``(p,)``. `B`: trim deflection per angle of attack, ``(p,)`` or a scalar. z is scaled such that
-    z' = s (z - delta/B - k alpha_w). With the left eigenvector l, l A = s l, it is proportional to
+    z' = s (z - delta/B - k alpha_w), k alpha_w being the z of equilibrium in a steady wind without
+    deflection. With the left eigenvector l, l A = s l, it is proportional to
 
         l x - l b3 (delta' + s delta),    on which delta acts with l b + s^2 l b3,
 

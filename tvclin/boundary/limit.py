@@ -76,12 +76,13 @@ class ExitProblem:
     def solve(self, literal: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return time [s], demand and status of the exit of the dead band, ``(...)`` each.
 
-        The driver is B alpha_w, or trim if `literal`, B being trim deflection per angle of
-        attack; it exits the dead band at K times the demand.
-        The demand is the constant deflection from then on that satisfies eq (4b) of the report,
-        normalised by B alpha_w,max. The status is `switches.JUMP` where the demand jumps over the
-        limit as the driver returns to an earlier height, and `switches.UNREACHED` where it stays
-        above the driver, so that the dead band has no exit.
+        The exit is the last time at which the driver, at a new maximum, is K times the demand. The
+        driver is the trim deflection if `literal`, else B alpha_w, the trim without the drift, B
+        being trim deflection per angle of attack. The demand is the constant deflection that
+        satisfies eq (4b) of the report from then on. Both are over B alpha_w,max. Status
+        `switches.UNREACHED`: the driver stays below K times the demand, there is no exit. Status
+        `switches.JUMP`: no new maximum is K times the demand exactly. The driver is less before a
+        dip, and more when it is as high again after the dip, in which the demand falls.
         """
         # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter
         winds, which, numbers = self._arrays

@@ -246,8 +246,9 @@ def _difference_gauge(limit_shape: LimitShape) -> Callable[[ComplexArray], Float
     """Return a function of vectors to a lower bound of their gauge of S - S, for the shape S.
 
     S - S are the differences of any two points of S, and the gauge is the factor by which it just
-    contains a vector. It is exact for a symmetric `limit_shape`, S; else by the support, h(d) +
-    h(-d), along some directions d.
+    contains a vector v. It is exact for a symmetric `limit_shape`, S, where S - S is 2 S. Else it
+    is the largest d v/(h(d) + h(-d)) over some directions d, h(d) being the support of S, its
+    extent along d, so that h(d) + h(-d) is the width of S along d.
     """
     if limit_shape.symmetric:
         return lambda vector: limit_shape.gauge(vector) / 2.0

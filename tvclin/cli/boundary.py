@@ -13,7 +13,16 @@ from tvclin.boundary.limit import OK, boundary_limit
 from tvclin.boundary.open_loop import with_larger_requirements
 from tvclin.boundary.optimum.minimum_peak import NOT_CONVERGED
 from tvclin.cli.inputs import case_of, chosen, only_with
-from tvclin.cli.options import GROUP, MOTION, SOURCE_HELP, At, More, Options, ShownCurves, option
+from tvclin.cli.options import (
+    GROUP,
+    MODEL_AND_PLANE,
+    SOURCE_HELP,
+    At,
+    More,
+    Options,
+    ShownCurves,
+    option,
+)
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
 from tvclin.cli.wind import WindOptions, cut_condition
 from tvclin.linear.plant import Plant
@@ -63,7 +72,7 @@ def boundary(
         shown="the onset of the wind",
     ),
     horizon: float | None = option("Time after which its deflection must be zero again, in s."),
-    motion: Options = MOTION,
+    model: Options = MODEL_AND_PLANE,
     more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:
@@ -79,7 +88,7 @@ def boundary(
     dead_bands = within("--dead-band", dead_band or DEAD_BANDS, 0.0, 1.0)
     if vehicle is not None and tau_beta is None:
         case = case_of(
-            vehicle, motion.applied_to, wind=winds.applied_to, questions=("boundary",), time=time
+            vehicle, model.applied_to, wind=winds.applied_to, questions=("boundary",), time=time
         )
         title = winds.title(case, vehicle)
         print_in_wind(case, winds, title, dead_bands, (start, horizon), more, shown)
@@ -87,7 +96,7 @@ def boundary(
     pulse = {name: value for name, value in vars(winds).items() if name != "wind"}
     only_with(_IN_WIND, **pulse, start=start, horizon=horizon, csv=shown.csv)
     x = within("--tau-beta", positive("--tau-beta", tau_beta or TAU_BETA), 1e-6, 1e6)
-    _print_over_duration(_subject(vehicle, time, motion), winds.wind, x, dead_bands, more, shown)
+    _print_over_duration(_subject(vehicle, time, model), winds.wind, x, dead_bands, more, shown)
 
 
 def _print_over_duration(
@@ -144,20 +153,20 @@ def _largest(axis: str, x: FloatArray, K: FloatArray, limit: FloatArray) -> str:
 
 
 def _subject(
-    vehicle: str | None, time: float | None, motion: Options
+    vehicle: str | None, time: float | None, model: Options
 ) -> tuple[str, Plant, str, str]:
     """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1.
 
-    `time`: flight time [s] of a schedule. `motion`: options of model and plane. Without a vehicle
+    `time`: flight time [s] of a schedule. `model`: options of model and plane. Without a vehicle
     the flight path is fixed and the name empty: y_BR over tau beta is then the same for all poles
     beta [1/s] and all B, the trim deflection per angle of attack.
     """
     if vehicle is None:
-        motion.only_with("a vehicle")
+        model.only_with("a vehicle")
         only_with("a vehicle", at=time)
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         return "", plant, "pitch", "triangular"
-    case = case_of(vehicle, motion.applied_to, time=time, questions=("boundary --tau-beta",))
+    case = case_of(vehicle, model.applied_to, time=time, questions=("boundary --tau-beta",))
     return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 
 

@@ -27,7 +27,7 @@ from tvclin.cli.margins import (
 from tvclin.cli.options import (
     GAINS,
     GROUP,
-    MOTION,
+    MODEL_AND_PLANE,
     TIMING,
     At,
     More,
@@ -300,7 +300,7 @@ def design(
     timing: Options = TIMING,
     least: MinimumGainOptions = GROUP,
     box: Box = None,
-    motion: Options = MOTION,
+    model: Options = MODEL_AND_PLANE,
     more: More = False,
     shown: Shown = GROUP,
 ) -> None:
@@ -319,7 +319,7 @@ def design(
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
     """
     # functions that put the options over the plan of the file, the last a check
-    changes = [*(options.applied_to for options in (timing, motion, least, gains)), _with_gains]
+    changes = [*(options.applied_to for options in (timing, model, least, gains)), _with_gains]
     questions = ("design", "design --box") if box else ("design",)  # notes say what they neglect
     case = case_of(vehicle, *changes, wind=winds.applied_to, questions=questions, time=time)
     with waiting("seeking gains"):

@@ -19,7 +19,7 @@ from tvclin.cli.options import (
     CAMPAIGN,
     GROUP,
     LIMIT,
-    MOTION,
+    MODEL_AND_PLANE,
     SOURCE_HELP,
     STUDY,
     AsJson,
@@ -131,7 +131,7 @@ def disperse(
     time: At = None,
     winds: WindOptions = GROUP,
     limit: Options = LIMIT,
-    motion: Options = MOTION,
+    model: Options = MODEL_AND_PLANE,
     dead_band: Options = Options(STUDY, ("dead_band",)),
     drawn: Options = Options(STUDY, ("cases",)),
     work: FolderOptions = GROUP,
@@ -155,12 +155,12 @@ def disperse(
     SUFFICIENT, or that is NOT KNOWN; 2: bad input.
     """
     if Path(source).is_dir():
-        options = {"at": time, **vars(work), **vars(winds), **motion.values, **drawn.values}
+        options = {"at": time, **vars(work), **vars(winds), **model.values, **drawn.values}
         only_with("a vehicle or a file, not a folder of results", **options)
         results = open_campaign(source)
     else:
-        results = work.run(_campaign(source, time, winds, (limit, motion, dead_band, drawn)))
-        if work.shard is not None:
+        results = work.run(_campaign(source, time, winds, (limit, model, dead_band, drawn)))
+        if work.shard is not None:  # "i/n", a part of the cases alone: no answer yet
             done = f"{results.cases} of {results.campaign.cases} cases are done"
             say(f"{done}. Print what is there: tvclin disperse {called(results.folder)}")
             return

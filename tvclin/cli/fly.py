@@ -23,7 +23,7 @@ from tvclin.cli.margins import parts_line
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
-    MOTION,
+    MODEL_AND_PLANE,
     At,
     FlownLaw,
     More,
@@ -151,7 +151,7 @@ def fly(
     choice: EngineOptions = GROUP,
     limit: Options = replace(LIMIT, shown={"limit": "1.1 times the boundary of the law"}),
     law_options: FlownLaw = GROUP,
-    motion: Options = MOTION,
+    model: Options = MODEL_AND_PLANE,
     more: More = False,
     shown: ShownCurves = GROUP,
 ) -> None:
@@ -164,9 +164,9 @@ def fly(
 
     --law autopilot also prints the autopilot requirement, the smallest limit from which on every
     limit survives, flown with samples, delay, actuator, filters, bending and rate limit, and
-    compares the autopilot with trim. The law report holds its limit until the wind ends, which
-    turns the vehicle far to the other side; tvclin respond lets go of it as soon as the attitude is
-    back at zero. --law all prints the limit that each law requires in standard
+    compares the autopilot with trim. --law report holds its limit until the wind ends, which turns
+    the vehicle far to the other side; tvclin respond lets go of it as soon as the attitude is back
+    at zero. --law all prints the limit that each law requires in standard
     winds, or in that of --wind or --winds; it takes about a second for each law and wind.
 
     A vehicle file with bending, slosh, engine inertia or sensor lags makes a flexible vehicle: that
@@ -181,7 +181,7 @@ def fly(
 
     Exit code 0: SURVIVED, or SUFFICIENT for the autopilot; 1: not so, or NOT KNOWN; 2: bad input.
     """
-    changes = [options.applied_to for options in (limit, motion, law_options)]
+    changes = [options.applied_to for options in (limit, model, law_options)]
     if choice.law != ALL and time is None and is_flight(vehicle):
         from tvclin.cli.whole_flight import fly_flight
 
@@ -192,14 +192,14 @@ def fly(
     if choice.law == ALL:
         only_with(_SINGLE_LAW, **vars(choice) | {"law": None}, csv=shown.csv)
         limit.only_with(_SINGLE_LAW)
-        fly_laws(vehicle, time, motion, single, law_options, more, shown)
+        fly_laws(vehicle, time, model, single, law_options, more, shown)
         return
     condition, faults = None, Faults()
     case = case_of(vehicle, *changes, time=time)
     note_single_time(vehicle, time)
     with faults.collect():
         case = single.applied_to(case, vehicle)
-    engine, varying, *law_and_dead_band = choice.resolved(vehicle, case, law_options, motion)
+    engine, varying, *law_and_dead_band = choice.resolved(vehicle, case, law_options, model)
     name, cases = single.name(case), {"": case}
     with faults.collect():
         cases = winds_in_flight(case) if varying else cases
@@ -240,7 +240,7 @@ def _flown(
 def fly_laws(
     vehicle: str,
     time: float | None,
-    motion: Options,
+    model: Options,
     winds: WindOptions,
     law_options: FlownLaw,
     more: bool,
@@ -248,7 +248,7 @@ def fly_laws(
 ) -> None:
     """Fly laws in the standard winds, or in that of the options, and print their limits.
 
-    `vehicle`: name of a vehicle or of a file. `time`: flight time [s] of a schedule. `motion`,
+    `vehicle`: name of a vehicle or of a file. `time`: flight time [s] of a schedule. `model`,
     `winds`, `law_options`: options of model and plane, of the wind, and of samples, delay and
     gains. `more`: whether all tables and notes are printed.
     """
@@ -258,7 +258,7 @@ def fly_laws(
         only_with("no --plot: that is drawn of pulses alone", winds=winds.winds)
     case = case_of(
         vehicle,
-        motion.applied_to,
+        model.applied_to,
         _without_actuator,
         partial(_with_gains, law_options),
         wind=winds.applied_to,

@@ -20,7 +20,7 @@ from tvclin.cli.options import (
     GAINS,
     GROUP,
     LIMIT,
-    MOTION,
+    MODEL_AND_PLANE,
     TIMING,
     At,
     More,
@@ -258,7 +258,7 @@ def margins(
     time: At = None,
     gains: Options = GAINS,
     timing: Options = TIMING,
-    motion: Options = MOTION,
+    model: Options = MODEL_AND_PLANE,
     detuned: bool = switch(
         "--detuned",
         "Also print the margins with the frequency of each mode off by up to 20 percent,"
@@ -295,11 +295,11 @@ def margins(
     --system writes the loop, opened at the nozzle's command, with the sign of 1 + L = 0.
 
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop, or the flight is NOT
-    SURVIVED before anything changes; 2: bad input.
+    SURVIVED even without such changes; 2: bad input.
     """
     one_of("--chart", chart, _CHARTS)
     flown = bool(limit.values)
-    changes = [options.applied_to for options in (limit, timing, motion, gains)]
+    changes = [options.applied_to for options in (limit, timing, model, gains)]
     if time is None and is_flight(vehicle):
         from tvclin.cli.whole_flight import flight_loop, print_sweep
 
@@ -381,7 +381,7 @@ class _Answer:
 
     @property
     def _diverged_verdict(self) -> str:
-        """Verdict on a flight that is lost before anything changes; empty for another flight."""
+        """Verdict on a flight that is lost with gain and delay unchanged; empty for another one."""
         if not isinstance(self.in_wind, LostFlightError):
             return ""
         limit = degrees(self.case.nozzle.limit or 0.0)

@@ -262,7 +262,7 @@ SIZING = "requirement.flight.request.SizingRequest"
 CAMPAIGN = "ensembles.campaign.campaign_plan.Campaign"
 _PANELS = {NOZZLE: "Nozzle", DESIGN: "Autopilot", CAMPAIGN: "Answer"}
 """Panels of the help, by the record whose options they group."""
-MOTION = Options(STUDY, ("model", "plane"))
+MODEL_AND_PLANE = Options(STUDY, ("model", "plane"))
 MODEL, PLANE = (Options(STUDY, (name,)) for name in ("model", "plane"))
 LIMIT = Options(NOZZLE, ("limit",), "nozzle")
 BOTH_LIMITS = Options(NOZZLE, ("limit", "rate_limit"), "nozzle")

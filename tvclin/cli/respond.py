@@ -16,7 +16,7 @@ from tvclin.cli.inputs import case_of, note_nominal_pressure
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
-    MOTION,
+    MODEL_AND_PLANE,
     STUDY,
     At,
     More,
@@ -203,8 +203,8 @@ def respond(
         "Deflection limit over what is required: 1 is the boundary.", shown="1"
     ),
     limit: Options = LIMIT,
-    motion: Options = MOTION,
-    until: Until = 3.0,
+    model: Options = MODEL_AND_PLANE,
+    until: Until = 3.0,  # durations of the wind
     points: Points = 301,
     more: More = False,
     files: ShownCurves = GROUP,
@@ -212,8 +212,9 @@ def respond(
     """Print the attitude response to a wind, with ideal trim up to the dead band, then the limit.
 
     It is exact, and at nominal dynamic pressure; tvclin study is the verdict on a limit, and tvclin
-    fly has the control laws that can be built. Its law report holds the limit until the wind ends;
-    here it is let go as soon as the attitude is back at zero, so that the largest attitude is less.
+    fly has the control laws that can be built. With --law report it holds the limit until the wind
+    ends; here that is let go as soon as the attitude is back at zero, so that the largest attitude
+    is less.
 
     Exit code 0: answered; 2: bad input.
     """
@@ -221,7 +222,7 @@ def respond(
 
     within("--until", until, 1e-3, _MAX_UNTIL)
     within("--points", points, 2, 1_000_000)
-    changes = (limit.applied_to, motion.applied_to, dead_band.applied_to)
+    changes = (limit.applied_to, model.applied_to, dead_band.applied_to)
     plan = case_of(vehicle, *changes, wind=winds.applied_to, questions=("respond",), time=time)
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))

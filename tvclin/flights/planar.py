@@ -310,7 +310,8 @@ class PlanarCase:
             design = Plant.from_vehicle(self.motion.vehicle, "fixed-path", self.motion.plane)
             control = _TrimThenHold(design, dead_band=control.dead_band)
         law: Law = control
-        if law.rate_noise[0]:
+        noise, _seed = law.rate_noise  # of the measured attitude rate [rad/s rms]
+        if noise:
             raise InputError("noise belongs to samples, and this flight has none; leave it out")
         if rate_limit < np.inf and actuator is None:
             raise InputError("a rate_limit needs an actuator")

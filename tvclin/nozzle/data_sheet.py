@@ -204,7 +204,7 @@ class NozzleVerdict(Shown):
 
 
 _MINIMA = ("minimum_angle", "minimum_rate", "minimum_acceleration")
-"""Fields of the minima in a known wind."""
+"""Fields of the deflection, rate and acceleration that any law requires at least in a wind."""
 _DUTY = ("angle", "rate", "steady_rate", "acceleration", "travel", "reversals", "time_at_stop")
 """Fields of the duty of a flight."""
 _WORK = ("torque", "holding_torque", "rms_torque", "power", "energy")
@@ -265,12 +265,15 @@ class DutyPoint(Shown):
 
     @property
     def diverged(self) -> bool:
-        """Whether a flight is known not to survive."""
+        """Whether the flight is known not to survive: it was flown, and can be judged."""
         return self.status not in ("", SURVIVED) and not self.reason
 
     @property
     def numbers(self) -> dict[str, float]:
-        """Magnitudes of the minima and of the duty, by keys with units, such as "angle_deg"."""
+        """Magnitudes of the nozzle's minima and of its duty, by keys such as "angle_deg".
+
+        Minima are the deflection, rate and acceleration that any law requires at least in the wind.
+        """
         numbers = document(self, *_MINIMA)
         if self.duty is not None:
             numbers |= document(self.duty, *_DUTY)

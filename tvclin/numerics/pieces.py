@@ -82,10 +82,11 @@ def moments(z: ArrayLike, degree: int) -> AnyArray:
 
 @dataclass(frozen=True)
 class Pieces:
-    """Pieces of histories: knots ``(..., n)``, coefficients and rates ``(..., rates)``.
+    """Pieces of histories, sums of c u^k e^(rate u), with the time u [s] since a piece's knot.
 
-    Coefficients have the shape ``(..., n, rates, degree + 1)``. Knots do not decrease; a piece of
-    zero width is allowed and contributes nothing.
+    `knots` [s], ``(..., n)``; they do not decrease, and a piece of zero width contributes nothing.
+    `coefficients` c, ``(..., n, rates, degree + 1)``. `rates` [1/s] of the exponentials, the same
+    for all pieces, ``(..., rates)``; zero for a polynomial.
     """
 
     knots: FloatArray

@@ -74,8 +74,9 @@ class Motion:
 def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Motion]:
     """Return the motions of x' = A x + B f from zero initial states, one for each input f.
 
-    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories of equal rates and degree, so
-    that all have the same matrix M (`piece_matrix`) of the states [x, z], z being the input's. A
+    `A`, `B`: one system, ``(n, n)`` and ``(n,)``. `inputs`: histories with exponentials of equal
+    rates [1/s] and equal degree, so that all have the same matrix M (`piece_matrix`) of the states
+    [x, z], z being the input's. A
     piece starts with x at the end of the piece before, and with z of its own input. The
     exponentials over pieces of equal width are computed once.
     """
@@ -97,8 +98,9 @@ def motions(A: FloatArray, B: FloatArray, inputs: Sequence[Pieces]) -> list[Moti
 def piece_matrix(A: FloatArray, B: FloatArray, pieces: Pieces) -> AnyArray:
     """Return M of [x, z]' = M [x, z] within a piece, for x' = A x + B f, ``(n + k, n + k)``.
 
-    z are the k states of the input f: one Jordan block for each of its rates, as large as f has
-    powers; f is the sum of the first elements of the blocks. `A`, `B`: ``(n, n)`` and ``(n,)``.
+    z are the k states of the input f, a sum of c u^j e^(rate u): one Jordan block for each of its
+    rates, as large as f has powers; f is the sum of the first elements of the blocks. `A`, `B`:
+    ``(n, n)`` and ``(n,)``.
     `pieces`: f, one history.
     """
     rates, powers = pieces.rates, pieces.degree + 1

@@ -101,7 +101,8 @@ def figure_2(
     Parameters
     ----------
     tau_beta, dead_bands
-        Abscissas tau beta, ``(n,)``, 0.05 to 20 where not given; K of the triangular winds.
+        Abscissas, durations tau of the wind times the unstable pole beta, ``(n,)``, 0.05 to 20
+        where not given; K of the triangular winds.
     """
     title = f"Figure 2. Stability boundary {_FIXED}"
     return _draw_boundaries("figure-2", title, tau_beta, dead_bands, coefficients=None)
@@ -117,7 +118,8 @@ def figure_5(
     Parameters
     ----------
     tau_beta : array_like, optional
-        Abscissas tau beta, ``(n,)``, 0.05 to 20 where not given; with damping tau times the pole.
+        Abscissas, durations tau of the wind times the unstable pole, beta without damping,
+        ``(n,)``, 0.05 to 20 where not given.
     dead_bands : sequence of float
         K, one for each panel, of which at most ten are drawn.
     vehicles : sequence of Vehicle or str
@@ -371,10 +373,10 @@ def flown_limit(
     """Return the boundary limit of the report's control in a triangular wind, by flying.
 
     `name`: what `load_vehicle` and `load_flight_condition` find the vehicle by. `tau_beta`,
-    `dead_band`: duration of the wind, and K. `plane` ({"pitch", "yaw"}): plane of the wind. `peak`:
-    its peak [rad], at the vehicle's own time. `engine`: one of `ENGINES`. `along`: whether the
-    parameters vary along the trajectory, which planar flights know; frozen where not. `tolerance`:
-    of the limit, over trim.
+    `dead_band`: duration of the wind times the unstable pole, and K. `plane`: of the wind, "pitch"
+    or "yaw". `peak`: its peak [rad], at the vehicle's own time. `engine`: one of `ENGINES`.
+    `along`: whether the parameters vary along the trajectory, which planar flights know; frozen
+    where not. `tolerance`: of the limit, over trim.
     """
     from tvclin.flights.flown_boundary import flown_boundary  # late, with the engines
 
@@ -428,10 +430,11 @@ def figure_10(
     dead_bands : sequence of float
         K, one for each panel.
     tau_beta : array_like
-        Durations of the winds that are flown with frozen parameters, ``(n,)``, positive.
+        Durations, times the unstable pole, of the winds that are flown with frozen parameters,
+        ``(n,)``, positive.
     along : array_like
-        Durations of those that are flown along the trajectory, ``(m,)``, and in any case also by
-        planar flights with frozen parameters. Their peak is at the vehicle's own time.
+        Durations, times the pole, of those that are flown along the trajectory, ``(m,)``, and in
+        any case also by planar flights with frozen parameters. Their peak is at the vehicle's time.
     engine : {"sixdof", "planar"}, optional
         What flies with frozen parameters; JSBSim where it is installed, else "planar".
 
@@ -457,7 +460,8 @@ def figure_11(
     Parameters
     ----------
     vehicle, dead_bands, **options
-        Vehicle by name, K of each panel; durations `tau_beta` and `along`, `engine` of the flights.
+        Vehicle by name; K of each panel; `tau_beta` and `along`, durations of winds times the
+        unstable pole, and `engine` of the flights, see `figure_10`.
     """
     return _figure(11, vehicle, dead_bands, **options)
 

@@ -326,7 +326,8 @@ def figure_3(dead_band: float = 1.0, **options: Any) -> "ControlPlot":
     dead_band : float
         K.
     **options
-        tau_beta, factors, until and points, see `attitude_chart`.
+        Of `attitude_chart`: tau_beta, durations of the winds times the unstable pole beta; factors,
+        limits over the boundary limit; until, the end of the abscissa t/tau; and points, a number.
     """
     return _without_drift(3, dead_band, options)
 
@@ -337,7 +338,8 @@ def figure_4(dead_band: float = 0.5, **options: Any) -> "ControlPlot":
     Parameters
     ----------
     dead_band, **options
-        K; tau_beta, factors, until and points of `attitude_chart`.
+        K; and of `attitude_chart` tau_beta, durations of the winds times the unstable pole beta;
+        factors, limits over the boundary limit; until, the end of the abscissa t/tau; and points.
     """
     return _without_drift(4, dead_band, options)
 
@@ -354,8 +356,9 @@ def figure_6(
     dead_band : float
         K.
     **options
-        tau_beta, factors, until and points, see `attitude_chart`; and the engine of the flights:
-        "sixdof", JSBSim, which is the default if it is installed, or "planar".
+        Of `attitude_chart`: tau_beta, durations of the winds times the unstable pole; factors,
+        limits over the boundary limit; until, the end of the abscissa t/tau; and points. The engine
+        of the flights: "sixdof", JSBSim, which is the default if it is installed, or "planar".
 
     Notes
     -----
@@ -374,7 +377,7 @@ def figure_7(
     Parameters
     ----------
     vehicle, dead_band, **options
-        One vehicle or its name, K, options of `attitude_chart`, and the `engine` of the flights.
+        One vehicle or its name; K; and the options of `figure_6`: durations, limits and engine.
     """
     return _with_drift(7, vehicle, dead_band, **options)
 
@@ -387,7 +390,7 @@ def figure_8(
     Parameters
     ----------
     vehicle, dead_band, **options
-        One vehicle or its name, K, options of `attitude_chart`, and the `engine` of the flights.
+        One vehicle or its name; K; and the options of `figure_6`: durations, limits and engine.
     """
     return _with_drift(8, vehicle, dead_band, **options)
 
@@ -400,7 +403,7 @@ def figure_9(
     Parameters
     ----------
     vehicle, dead_band, **options
-        One vehicle or its name, K, options of `attitude_chart`, and the `engine` of the flights.
+        One vehicle or its name; K; and the options of `figure_6`: durations, limits and engine.
     """
     return _with_drift(9, vehicle, dead_band, **options)
 

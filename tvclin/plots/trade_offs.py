@@ -239,7 +239,7 @@ def laws_chart(
     peak : float
         Peak of the triangular winds [rad].
     tau_beta : ndarray
-        Durations times beta, or with damping the pole, rising, ``(n,)``.
+        Durations of the winds times the unstable pole, beta without damping, rising, ``(n,)``.
     **hardware
         sample_rate [Hz], rate_limit [rad/s], actuator and delay [s] of the flights.
 

@@ -48,7 +48,8 @@ def sketch_a(tau_beta: float = 4.0) -> "ControlPlot":
     Parameters
     ----------
     tau_beta : float
-        Duration of the wind in units of 1/beta; it decides the height of the control.
+        Duration of the wind in units of 1/beta, beta being the unstable pole; it decides the height
+        of the control.
     """
     wind = RectangularWind(peak=1.0, duration=1.0)
     tau_beta = errors.number("tau_beta", tau_beta, errors.positive)
@@ -64,7 +65,7 @@ def sketch_b(tau_beta: float = 4.0, dead_band: float = 0.5) -> "ControlPlot":
     Parameters
     ----------
     tau_beta : float
-        Duration of the wind in units of 1/beta.
+        Duration of the wind in units of 1/beta, beta being the unstable pole.
     dead_band : float
         K, in [0, 1]: trim up to K times the limit.
     """

@@ -120,9 +120,12 @@ AnyVehicle: TypeAlias = Vehicle | LinearVehicle
 def load_any_vehicle(source: str | PathLike[str]) -> AnyVehicle:
     """Return a vehicle as `load_vehicle`, or a `LinearVehicle` from its file.
 
-    The table [coefficients] holds mu_alpha_per_s2 and mu_delta_per_s2, or beta_per_s and B; for the
-    motion of the path also C1_per_s, C2_per_s3, b1_per_s, b2_per_s and q_per_s2, zero in yaw; and
-    optionally damping_per_s.
+    The table [coefficients] holds the moments over the inertia, per angle of attack
+    mu_alpha_per_s2 and per deflection mu_delta_per_s2; or beta_per_s, the unstable pole on a fixed
+    path, and B, the trim deflection per angle of attack. For the drift of the path it also holds
+    coefficients of the report's eq (B7): C1_per_s and C2_per_s3 of the denominator, the zeros
+    b1_per_s of the deflection and b2_per_s of the wind, and q_per_s2, the gravity term, zero in
+    yaw; and optionally damping_per_s, the moment against the attitude rate over the inertia.
 
     Parameters
     ----------

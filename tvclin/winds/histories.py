@@ -49,7 +49,10 @@ class History(Record, ABC):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """Pieces of the history: knots [s], coefficients by rate and power of time, rates [1/s]."""
+        """Pieces of the history: sums of c u^k e^(rate u), u [s] being the time since a knot.
+
+        Knots [s], coefficients c by piece, rate and power k, and rates [1/s].
+        """
         return self._pieces()
 
     @property
@@ -394,7 +397,11 @@ def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pie
 
 
 def _scaled(pieces: Pieces, factor: AnyArray) -> Pieces:
-    """Return pieces times factors, which broadcast with their batch."""
+    """Return histories, as pieces, times factors, which broadcast with their batch.
+
+    Only the coefficients are multiplied: the rates are those of e^(rate u), u being local time.
+    """
+    # behind the batch, coefficients have axes of pieces, rates and powers of time
     factor = factor[..., np.newaxis, np.newaxis, np.newaxis]
     return Pieces(pieces.knots, pieces.coefficients * factor, pieces.rates)
 

@@ -199,8 +199,8 @@ class PlaneWind:
     def unidirectional(self) -> BoolArray:
         """Whether the wind vector stays on one line, shape ``batch``.
 
-        It does if all coefficients of pitch and yaw, on the same knots and rates, have the ratio
-        of `direction`: then the component across that line is zero.
+        It does if all coefficients of pitch and yaw, with the same knots and rates of exponentials,
+        have the ratio of `direction`: then the component across that line is zero.
         """
         pitch, yaw = self._terms
         line = unit_vector(self.direction)[..., np.newaxis]
@@ -225,8 +225,8 @@ class PlaneWind:
     def _terms(self) -> tuple[AnyArray, AnyArray]:
         """Coefficients of pitch and yaw on common knots and rates, ``(..., m)`` each.
 
-        m counts all pieces, rates and powers of time. Adding zero times the other wind gives each
-        the knots and rates of both.
+        A wind is a sum of c u^k e^(rate u) in each piece, and m counts all pieces, rates and powers
+        k. Adding zero times the other wind gives each the knots and rates of both.
         """
         pitch, yaw = self.pitch.pieces, self.yaw.pieces
         zero = [(0.0 * wind).pieces for wind in (self.pitch, self.yaw)]

@@ -355,7 +355,7 @@ class FixedWind:
 
     @property
     def max_angle(self) -> float:
-        """Largest size of the wind angle [rad] of the fixed wind, over all times."""
+        """Largest size of the wind angle [rad] over all times, the same in each case."""
         return abs(float(self.angle.peak))
 
     def history(self, values: dict[str, Any]) -> History:

@@ -340,7 +340,7 @@ class EncounteredWind:
 
     @property
     def history(self) -> History:
-        """Sum of the histories of angle and speed, which has all breakpoints and rates of the wind.
+        """Sum of the histories of angle and speed: it has all breakpoints and terms of the wind.
 
         Its values have a meaning where the wind has an angle alone, or a speed alone.
         """

@@ -77,8 +77,12 @@ def is_wind_from_gust(document: Mapping[str, Any]) -> bool:
 
 
 def peak_speed_of(document: Mapping[str, Any]) -> float | None:
-    """Return the peak speed [m/s] of a study file's first shaped wind; None for a peak angle."""
-    if is_wind_from_gust(document):
+    """Return the peak speed [m/s] of a study file's wind; None if its peak is given as an angle.
+
+    Of several winds the first one counts that has a shape, not a file or a sounding. `document`:
+    the file as nested tables.
+    """
+    if is_wind_from_gust(document):  # the gust of [gust] is the wind
         return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed")
     if "wind" not in document:
         return None

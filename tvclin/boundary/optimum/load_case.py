@@ -12,8 +12,9 @@ For any weights w of the load, and the density h for which INT h eta = INT w (lo
 
     peak >= (INT w load_0 - INT h delta_0 - bound INT |w| - rate INT |K|) / INT |h - K'|,
 
-K being zero without a rate limit. In h each unstable mode may have a price, since its state must
-be zero at the end. The weights and prices of a linear program are close to the best.
+K(t) being the multiplier of the rate limit (not the dead band), zero without one. In h each
+unstable mode may have a price, the multiplier of the condition that its state is zero at the end.
+The weights and multipliers of a linear program are close to the best.
 """
 
 from __future__ import annotations
@@ -241,14 +242,14 @@ class LoadWeights:
     density_ends: FloatArray
     prices: ComplexArray
 
-    def proof(self, reference: FloatArray, rate_prices: FloatArray | None) -> tuple[float, float]:
+    def proof(self, reference: FloatArray, ramp: BoolArray | None) -> tuple[float, float]:
         """Return the numbers A and N of the lower bound (weighted load - A)/N of the peak.
 
-        A = INT h delta_0 dt + rate INT |K| dt [rad] and N = INT |h - K'| dt. INT h eta dt is the
-        weighted sum of the loads of a deflection eta, so that h [1/s] (`_density`) weighs eta;
-        delta_0 is the reference deflection, and K the multiplier of the rate limit. `reference`:
-        delta_0 in the cells [rad], ``(n,)``. `rate_prices`: prices of the rate limit in the cells,
-        ``(n,)``, or None without one; K' = h where a price is not zero.
+        A = INT h delta_0 dt + rate INT |K| dt [rad] and N = INT |h - K'| dt, to infinity. INT h eta
+        dt is the weighted sum of the loads of a deflection eta, so that h [1/s] (`_density`) weighs
+        eta; delta_0 is the reference deflection, and K the multiplier of the rate limit (not the
+        dead band). `reference`: delta_0 in the n cells [rad], ``(n,)``; its last value stays.
+        `ramp`: whether the rate limit binds in each cell, ``(n,)``; None without a rate limit.
         """
         n = self.widths.size
         edge = self._density(np.tile([0.0, 1.0], (n, 1)))  # h at both ends of each cell
@@ -262,13 +263,16 @@ class LoadWeights:
             h = self._density(x) * _GAUSS_WEIGHTS * ((high - low) * self.widths)[:, np.newaxis]
             areas[k] = h.sum(axis=1)
             first += (h * x).sum(axis=1) * self.widths
-        area, size, used = areas.sum(axis=0), np.abs(areas).sum(axis=0), 0.0
-        if rate_prices is not None:  # the rate limit's part; `size` is of |h - K'| from here on
-            used = self._apply_ramps(area, first, size, rate_prices != 0.0)
-        # integral of h after the last node, by unstable mode
+        # integrals of h and |h| in each cell; rate INT |K| dt
+        area, size, of_rate = areas.sum(axis=0), np.abs(areas).sum(axis=0), 0.0
+        if ramp is not None:
+            of_rate = self._apply_ramps(area, first, size, ramp)  # size: INT |h - K'| dt from here
+        # Integral of h after the last node, by unstable mode: a unit deflection that stays constant
+        # from there on requires the state -step_states at that node, which has the factor `_before`
+        # in the weighted load. The reference stays constant too.
         later = (self._before[-1] * -self.case.step_states)[self.case.unstable]
-        norm = float(size.sum() + np.abs(later).sum())
-        return float(area @ reference) + float(later.real.sum() * reference[-1]) + used, norm
+        of_reference = float(area @ reference) + float(later.real.sum() * reference[-1])
+        return of_reference + of_rate, float(size.sum() + np.abs(later).sum())
 
     @cached_property
     def _before(self) -> ComplexArray:
@@ -320,22 +324,24 @@ class LoadWeights:
     def _density(self, x: FloatArray) -> FloatArray:
         """Return h [1/s], the weight of a deflection at a time in the weighted load, ``(n, q)``.
 
-        It is M times the density of the load's weight then, and for each mode the weights of the
-        load that it changes, decayed to that time: the load before it by unstable modes, the load
-        after it by stable ones. `x`: fractions of the n cells, ``(n, q)``. Of a mode, `shares` is
-        the load of its state, and `sizes` |s| [1/s] the gain from deflection to that state.
+        It has a direct part, M (`ratio`, the load alpha + M delta per deflection) times the weight
+        per time of the load then, and one by each mode, of the weights of the load that it changes,
+        decayed to that time: of the load before it by unstable modes, after it by stable ones. `x`:
+        fractions of the n cells, ``(n, q)``. Of a mode, `shares` is the load of its state, and
+        `sizes` |s| [1/s] the gain from deflection to that state.
         """
         c = self.case
-        # density of the load's weight at start and end of each cell, linear between them
+        # weight per time [1/s] of the load at start and end of each cell, linear between them
         column, (start, end) = self.widths[:, np.newaxis], self.density_ends[:, :, np.newaxis]
-        here = start * (1.0 - x) + end * x  # density of the load's weight
+        here = start * (1.0 - x) + end * x  # at the time of the deflection
         density = c.ratio * here
         for i in range(c.poles.size):
             if c.unstable[i]:
                 distance, origin, node, sign = x, start, self._before[:-1, i], -1.0
             else:
                 distance, origin, node, sign = 1.0 - x, end, self._after[1:, i], 1.0
-            # `node`: weights beyond the cell, decayed to its node; `origin`: density at that node
+            # `node`: weights beyond the cell, decayed to its node; `origin`: weight per time there;
+            # `near`, `far`: factors of the weight per time at the deflection's time and at the node
             decay, near, far = convolution_weights(c.rates[i], column * distance)
             weight = decay * node[:, np.newaxis] + c.shares[i] * (near * here + far * origin)
             density = density + sign * c.sizes[i] * weight.real
@@ -346,9 +352,9 @@ class LoadWeights:
     ) -> float:
         """Return the rate limit times INT |K| dt, and write INT |h - K'| dt on ramps into `size`.
 
-        h is the weight of a deflection in the load, K the multiplier of the rate limit. On a ramp,
-        successive cells in which that binds, K' is h minus a constant, so that K is zero at both
-        its ends; at the onset, where the deflection is zero, it need not be.
+        h is the weight of a deflection in the load, K the multiplier of the rate limit (not the
+        dead band). On a ramp, successive cells in which that binds, K' is h minus a constant, so
+        that K is zero at both its ends; at the onset, where the deflection is zero, it need not be.
 
         `area`, `first`, `size`: integrals over each cell of h, of h times the time [s] from its
         start, and of |h|, ``(n,)``. `ramp`: whether the rate limit binds in each cell, ``(n,)``.

@@ -331,7 +331,8 @@ class LoadProgram:
         and at least the sum for the reference deflection, less A, less N times the peak: b = (sum -
         A)/N and s = sizes/N (`LoadWeights.proof`).
         `weights`: multipliers of the load rows at the nodes; with M, of both ends of each cell.
-        `prices`: of the unstable modes. `rate_prices`: of the rate limit by cell, or None.
+        `prices`: multipliers of the unstable modes' conditions. `rate_prices`: of the rate limit by
+        cell, or None.
         """
         case, n = self.case, self.widths.size
         if case.ratio == 0.0:  # M: the load is the angle of attack alone
@@ -357,7 +358,9 @@ class LoadProgram:
             density_ends=density_ends,
             prices=_complex(case, prices),
         )
-        A, N = weighed.proof(self.reference, rate_prices)
+        # the rate limit binds where its price is not zero
+        ramp = None if rate_prices is None else rate_prices != 0.0
+        A, N = weighed.proof(self.reference, ramp)
         if N == 0.0:
             return 0.0, 0.0
         return (weighted_load - A) / N, float(np.abs(weights).sum()) / N

@@ -305,7 +305,8 @@ class LawInPlanes:
         instance("law", law, Law, "such as TrimLaw")
         if (law.engage, law.release) != (1.0, 1.0):
             raise InputError("law must not switch to the whole limit: that has one direction only")
-        if any(law.chains) or law.rate_noise[0]:
+        noise, _seed = law.rate_noise
+        if any(law.chains) or noise:
             raise InputError("law must be without filters and noise in two planes")
         one_of("saturate", self.saturate, SATURATE)
 

@@ -324,7 +324,8 @@ def march(
     z = slice(first_loop.order, first_loop.order + first_loop.filter_order)  # of the filter
     P[z, z] = stationary_covariance(first_loop.A[z, z], first_loop.noise[z, z])
     if loop.jumps:
-        (sample,) = _jumps(loop, len(loop.jumps) - 1, times[:1])  # the last jump of a sample
+        # the last jump of a period is the law's sample; before it a delayed command may arrive
+        (sample,) = _jumps(loop, len(loop.jumps) - 1, times[:1])
         mean, P = _jumped(sample, mean, P, angles[0])
     P = P if start is None else start
     means, covariances = np.zeros((times.size, n)), np.zeros((times.size, n, n))

@@ -140,10 +140,14 @@ class CampaignSummary(Shown):
     @property
     @derived("part")
     def increase(self) -> float | None:
-        """Relative increase of the nominal output by dispersions; None where not known."""
-        nominal = self.results.nominal.get(self.output)
-        comparable = nominal and np.isfinite(nominal) and np.isfinite(self.required.upper)
-        return self.required.upper / nominal - 1.0 if nominal and comparable else None
+        """Relative increase of the nominal output by dispersions, 0.3 for 30 percent, or None.
+
+        The output with dispersions is the upper confidence bound of its quantile. None if one of
+        both is not known, or the nominal output is zero.
+        """
+        nominal, dispersed = self.results.nominal.get(self.output), self.required.upper
+        comparable = nominal and np.isfinite(nominal) and np.isfinite(dispersed)
+        return dispersed / nominal - 1.0 if nominal and comparable else None
 
     @property
     def trusts_a_forecast(self) -> bool:

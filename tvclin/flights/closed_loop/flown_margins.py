@@ -58,7 +58,7 @@ _CAUSES = {"lost": "is lost", "rings": "rings near rest", UNDECIDED: "neither lo
 
 
 class LostFlightError(InputError):
-    """Error of a deflection limit [rad] with which the flight is lost before anything changes.
+    """Error of a deflection limit [rad] with which the flight is lost before gain or delay changes.
 
     Its arguments are the limit, and what the unchanged flight needs in words, as "1.5 deg" or "more
     than 1.5 deg".

@@ -421,19 +421,19 @@ class Stages:
     ) -> dict[str, FloatArray]:
         """Return the matrices of m samples by name, ``(m, ...)``, from plants at times within them.
 
-        `places`: times [s] ``(places, m)``: the first Gauss points of each part of a sample, the
-        second ones, the starts of the samples, and perhaps their middles. `flight`, `pressure`:
-        indices of flights, and dynamic pressures over the nominal one, ``(places m,)``. `middle`:
-        whether the places include the middles, for A and gust there. Step matrices are those of the
-        constant system that equals the varying one over a part to fourth order, from its values at
-        both Gauss points. Names: joint, ramp and fine as in `Steps`; shown, A and gust as in
-        `Vehicles`.
+        Of `Steps`, for the parts of a sample: joint, transition matrices of plant and nozzle; fine,
+        those of substeps; ramp, effect on the plant of a deflection that changes at a constant
+        rate. Of `Vehicles`: shown, rows of the outputs at the start; A and gust, plant matrices
+        in the middle. `places`: times [s] ``(places, m)``: the first Gauss points of each part, the
+        second ones, the starts of the samples, and their middles if `middle`. `flight`, `pressure`:
+        indices of flights, and dynamic pressures over the nominal one, ``(places m,)``.
         """
         # m samples; coefficients of a piece of the wind, a polynomial
         count, terms, shape = places.shape[1], self._pieces[1].shape[2], flight.shape
         # all samples have the same parts
         timing = Timing._make(np.repeat(field_[:1], count, axis=0) for field_ in self._timing)
-        lengths = np.ascontiguousarray(timing.lengths[:, 1:].T)  # (parts, m)
+        # (parts, m): the first column of a timing's lengths is the whole sample
+        lengths = np.ascontiguousarray(timing.lengths[:, 1:].T)
         plants = self.flown_plants(places.ravel(), flight, pressure)
         system = self.sensors.system(plants)
         actuator = self.flown_laws(places.ravel(), flight).actuator
@@ -446,12 +446,11 @@ class Stages:
             """
             return system.cases(np.arange(first * count, (first + 1) * count), shape)
 
-        def at_nodes(loops: LinearSystem) -> LinearSystem:
+        def over_parts(loops: LinearSystem) -> LinearSystem:
             """Return the constant system that equals a varying one over each part of m samples.
 
-            A batch ``(parts, m)``, as the `lengths` [s] of the parts. `loops`: the varying system,
-            flat, ``(places m,)``: at the first Gauss points of all parts, at the second ones, and
-            at further times, which are not used here.
+            To fourth order; a batch ``(parts, m)``. `loops`: the varying system at the times
+            `places`, a flat batch ``(places m,)``, of which those at Gauss points are used.
             """
             count_of_parts = lengths.size  # in all samples
             first_points = np.arange(count_of_parts)
@@ -462,8 +461,9 @@ class Stages:
             return constant_over_steps(first, second, lengths)
 
         plant = at_place(2 * len(lengths))  # at the starts: after two Gauss points of each part
-        driven = at_nodes(connect(blocks, INPUTS[:1], ()))  # from the command, with nozzle and wind
-        steps = steps_of(driven, at_nodes(with_ramp(system)), plant, timing, terms)
+        driven = over_parts(connect(blocks, INPUTS[:1], ()))  # plant and nozzle
+        ramped = over_parts(with_ramp(system))  # plant with a deflection of constant rate
+        steps = steps_of(driven, ramped, plant, timing, terms)
         arrays = {"joint": steps.joint, "ramp": steps.ramp, "shown": sensed_rows(plant)}
         if steps.fine is not steps.joint:
             arrays["fine"] = steps.fine

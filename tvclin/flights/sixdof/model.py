@@ -247,8 +247,9 @@ def _frozen(reactions: Element, vehicle: Vehicle, heading: float) -> None:
     """Add the forces that keep the nominal flight straight, and the speed of every flight.
 
     The first carries the weight across the nominal path. The second acts along the velocity and has
-    minus the power of all other forces, ``-(F v) v / v^2``. `reactions`: element of the external
-    forces. `heading`: nominal direction of flight [rad], from north over east.
+    minus the power of all other forces, ``-(F v) v / v^2``. Both act at the centre of gravity
+    (`aft` of it by zero), so that they make no moment. `reactions`: element of the external forces.
+    `heading`: nominal direction of flight [rad], from north over east.
     """
     weight = float(vehicle.weight) / POUND_FORCE
     sine, cosine = sin(vehicle.attitude), cos(vehicle.attitude)

@@ -326,7 +326,7 @@ def concurrent_trim(
             low, high = max(edges[k], first), min(edges[k + 1], last)
             beyond_linear = not known[i, j] and first <= times[i] <= last
             if low <= high and not beyond_linear:
-                vehicle = schedule.at(float(times[i]))
+                vehicle = schedule.at(float(times[i]))  # whose speed makes a wind an angle
                 largest[i, j] = _largest(schedule, wind, vehicle, planes, limit_shape, (low, high))
     return ConcurrentTrim(deflection=largest[..., 0], time=largest[..., 1])
 

@@ -522,7 +522,8 @@ class SizingRequest:
 
         A total is the required deflection with all that adds to it: turbulence, dispersion, offsets
         and reserve. Flight times between the sizing's count too, about the largest totals.
-        `sizing`: result of `sizing`. `turbulence`: result of `turbulence`.
+        `sizing`: result of `sizing`. `turbulence`: result of `turbulence`; a text, the reason for
+        which that is not known, makes the total unknown.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("sizing", sizing, Sizing, "see sizing()")

@@ -110,10 +110,11 @@ def two_plane_sizing(
 
 
 def _two_plane_arising(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatArray:
-    """Return the flight time at which a requirement of fixed winds arises [s], ``(m,)``.
+    """Return the flight time [s] at which a requirement of each of m winds arises, ``(m,)``.
 
-    `pitch`, `yaw`: sizing of each plane, of the same m winds. `name`: the requirement. It arises
-    in the plane with the larger requirement.
+    It is NaN for a wind that is moved to each flight time, not fixed in flight time. `pitch`,
+    `yaw`: sizing of each plane, requirements [rad] by flight time and wind, NaN if not known.
+    `name`: the requirement; the plane in which its largest value is larger counts.
     """
     pitch_time, yaw_time = (sizing.arising(name) for sizing in (pitch, yaw))
     pitch_size, yaw_size = (
@@ -165,8 +166,7 @@ def _required(
             positive = corners[name] > 0.0
             ratio = np.ones(positive.shape)
             np.divide(required[name], corners[name], out=ratio, where=positive)
-            none_fixed = np.full(len(pitch.winds), np.nan)
-            fixed = ~np.isnan(arises.get(along, none_fixed))
+            fixed = ~np.isnan(arises.get(along, np.full(len(pitch.winds), np.nan)))
             # a wind fixed in flight time has one requirement, whatever the flight time of the row
             largest_ratio = np.nanmax(ratio, axis=0, initial=1.0)
             required[along] = corners[along] * np.where(fixed, largest_ratio, ratio)
@@ -180,10 +180,11 @@ def _vector(
     limit_shape: LimitShape,
     bands: FloatArray,
 ) -> VectorRequirement:
-    """Return the requirements of the wind vector at a flight time; zeros in a calm plane.
+    """Return the requirements [rad] of the wind vector at a flight time; zeros if a plane is calm.
 
-    `vehicle`: vehicle frozen at that time. `model`: name of the linear model. `wind`: placed wind
-    of each plane. `limit_shape`: limit in both planes. `bands`: dead bands K, ``(k,)``.
+    The wind is then in the other plane alone, whose own requirement counts anyway (`_required`).
+    `vehicle`: frozen at that time. `model`: name of the linear model. `wind`: wind of each plane.
+    `limit_shape`: shape of the limit in both planes. `bands`: dead bands K, ``(k,)``.
     """
     if any(placed.calm for placed in wind.values()):
         return VectorRequirement(
@@ -313,8 +314,7 @@ def size(
     # number of requirements of each wind and time: frozen, varying, and of the vector
     per_wind = len(planes) * (1 if varying is False else 2) + (plane == BOTH)
     count_need = _progress_counter(progress, len(placed) * len(named) * per_wind)
-    always = -np.inf, np.inf
-    known_times = np.array([getattr(wind, "known", always) for wind in named.values()])
+    known_times = np.array([getattr(wind, "known", (-np.inf, np.inf)) for wind in named.values()])
     sizings = {}
     for name in planes:
         in_plane = [[wind[name] for wind in row] for row in placed]
@@ -571,11 +571,11 @@ def _varying_requirements(
 def _arising_times(
     placed: list[list[PlacedWind]], along: list[list[FlightRequirement]], bands: FloatArray
 ) -> dict[Requirement, FloatArray]:
-    """Return the flight times [s] at which requirements of m fixed winds arise, ``(m,)`` each.
+    """Return the flight times [s] at which requirements of m winds arise, ``(m,)`` each.
 
-    They are with varying parameters; NaN for winds that are not fixed in flight time. `placed`,
-    `along`: winds, and requirements along the flight, by flight time and wind. `bands`: dead bands,
-    of which the time of the exit counts; for trim and minimum it is the time of the largest trim.
+    Parameters vary; NaN for winds that are moved to each flight time, not fixed in flight time.
+    `placed`, `along`: winds, and requirements along the flight, by flight time and wind. `bands`:
+    dead bands K: their time is that of the exit; of trim and minimum that of the largest trim.
     """
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():

@@ -239,7 +239,7 @@ def _required(
 
     `names`: requirements of the columns. `wind`: index of a wind; None for the worst.
     """
-    # fixed winds have a single number, at a time of their own, and no place in a row
+    # winds fixed in flight time have a single number, at a time of their own, in no row
     by_time = {k: np.where(np.isnan(sizing.arising(k)), sizing.required[k], np.nan) for k in names}
     required = {
         k: np.fmax.reduce(by_time[k], axis=1) if wind is None else sizing.required[k][:, wind]

@@ -460,10 +460,13 @@ def totals_over_flight(
     turbulence: FlightTurbulence | str | None = None,
     **offsets: float | None,
 ) -> list[DeflectionTotal]:
-    """Return the total of the required deflection of the worst wind and all that adds to it.
+    """Return the totals of the required deflection of the worst wind and all that adds to it.
 
-    One at each flight time of a sizing with a known requirement; of a wind that is fixed in flight
-    time, at the time at which that arises. Same parameters and exceptions as `worst_total`.
+    A total for each flight time of the `sizing` at which the requirement `name` is known, and for
+    a wind that is fixed in flight time at the time at which its requirement arises. `dispersion`:
+    addition of dispersions, 0.3 is 30 percent. `rate_limit`: of the nozzle [rad/s]. `turbulence`:
+    a random contribution; a text, the reason for which it is not known, adds nothing here, and
+    makes the total of `worst_total` unknown. Same parameters and exceptions as `worst_total`.
     """
     errors.instance("sizing", sizing, Sizing, "see size")
     ratio = errors.number("dispersion", dispersion, errors.nonnegative)
@@ -501,7 +504,7 @@ def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]
 
     A wind that is fixed in flight time has one requirement, at the time at which it arises.
     """
-    # time at which the requirement of a fixed wind arises; NaN for other winds
+    # time at which the requirement of a wind fixed in flight time arises; NaN for other winds
     arises, required = sizing.arising(requirement), sizing.required[requirement]
     fixed = np.isfinite(arises)
     by_time = np.fmax.reduce(np.where(fixed, np.nan, required), axis=1)

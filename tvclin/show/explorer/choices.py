@@ -256,8 +256,10 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
 def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     """Return the choices that the controls specify; all else comes from the plan of the file.
 
-    `base`: that plan. `vehicle`: the chosen vehicle. `v`: values of the controls, by field.
-    `InputError` for values that the plan refuses.
+    But criteria of the margins are always the classic ones. `base`: that plan, whose wind keeps its
+    speeds while their angles are unchanged (`_speeds`), and its gust the time that it stays at its
+    peak. `vehicle`: the chosen vehicle. `v`: values of the controls, by field; "stop" is the limit
+    shape. `InputError` for values that the plan refuses.
     """
     both_planes = v["plane"] == BOTH
     slanting = both_planes or v["direction"] == FROM_SIDE
