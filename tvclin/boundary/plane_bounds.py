@@ -105,8 +105,9 @@ class PlanePair:
     def _strengths(self) -> tuple[FloatArray, FloatArray]:
         """Factors -B K1 p [1/s] from remaining wind integral to demand, ``(N,)`` in each plane.
 
-        Of each of N unstable poles p; B K1 is N_wind(p)/N_deflection(p) of the attitude. The demand
-        is the constant deflection [rad] that cancels the wind's excitation of the mode.
+        Of each of N unstable poles p; B K1, trim per wind angle times drift factor, is
+        N_wind(p)/N_deflection(p) of the attitude. The demand is the constant deflection [rad] that
+        cancels the wind's excitation of the mode.
         """
         pitch, yaw = (
             np.asarray(-wind_over_deflection(plant, poles) * poles)
@@ -154,7 +155,8 @@ class PlanePair:
         The demand of an unstable mode is the constant deflection from `t` on that leaves it without
         excitation. With I the integral of e^(-p (r - t)) f(r) dr from `t` on, p being its pole, it
         is p I of the trim deflection, since trim itself is such a deflection, and -B K1 p I of the
-        wind for a vehicle at rest at `t`; B K1 is N_wind(p)/N_deflection(p) of the attitude.
+        wind for a vehicle at rest at `t`; B K1, trim per wind angle times drift factor, is
+        N_wind(p)/N_deflection(p) of the attitude.
 
         `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the vehicle is trimmed up to then; else
         it is at rest.

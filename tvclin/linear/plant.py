@@ -246,7 +246,8 @@ class Plant(WithCoefficients):
         """Characteristic polynomial, ``(..., order + 1)``, highest power first.
 
         Of the coefficients mu_alpha = beta^2 [1/s^2], damping d [1/s], C1 [1/s] and C2 [1/s^3] of
-        eq (B7), and the gravity term q = (g cos(Theta_n)/V_n)^2 [1/s^2].
+        eq (B7), and the gravity term q = (g cos(Theta_n)/V_n)^2 [1/s^2], with attitude Theta_n and
+        speed V_n of the nominal flight.
         """
         c, d = self.coefficients, self.coefficients.damping
         stiffness = c.C1 * d - c.mu_alpha
@@ -428,7 +429,8 @@ class Plant(WithCoefficients):
         speed = self._velocity(signal)
         if signal == "drift_rate":
             return speed * self.numerator("flight_path_angle", input)
-        # (N alpha + T_c delta)/m + x theta'', with theta'' = s^2 theta; N/m and T_c/m in m/s^2
+        # (N alpha + T_c delta)/m + x theta'', with theta'' = s^2 theta; N/m and T_c/m [m/s^2] are
+        # accelerations by the normal force per angle of attack, and by the control thrust
         normal, thrust = (speed * force for force in self._normal_forces)
         forces = normal * self.numerator("angle_of_attack", input)
         if input == "deflection":
@@ -484,7 +486,8 @@ class Plant(WithCoefficients):
         Notes
         -----
         For attitude theta, path angle gamma, wind alpha_w and deflection delta, with the report's
-        coefficients C1, b1, b2 [1/s], C2 [1/s^3] and B = mu_alpha/mu_delta (`Coefficients`),
+        coefficients C1, b1, b2 [1/s], C2 [1/s^3] and B = mu_alpha/mu_delta (`Coefficients`; the mu
+        are moments over the inertia per angle of attack and per deflection),
         theta'' = mu_alpha (theta - gamma - alpha_w) - mu_delta delta - damping theta', and
         gamma' = (C1 + w) theta - C1 gamma + d delta - n alpha_w (+ sqrt(q) V/V_n), with
         w = g sin(Theta_n)/V_n = C2/mu_alpha, d = T/(m V_n) = (b1 - C1)/B,
@@ -536,9 +539,10 @@ class Plant(WithCoefficients):
     def _attitude(self, input: str) -> FloatArray:
         """Return the numerator from `input` to the attitude, ``(..., k)``, highest power first.
 
-        It is -mu_delta (s + b1) from the deflection and -mu_alpha (s + b2) from the wind, eq (B7):
-        both pitch the nose down. On a fixed path the zero is missing, and in "drift-and-speed" the
-        factor is s^2 + b s + q, with the gravity term q = (g cos(Theta_n)/V_n)^2 [1/s^2] for both.
+        It is -mu_delta (s + b1) from the deflection and -mu_alpha (s + b2) from the wind, eq (B7),
+        with mu the moments over the inertia per angle: both pitch the nose down. On a fixed path
+        the zero is missing, and in "drift-and-speed" the factor is s^2 + b s + q, with the gravity
+        term q = (g cos(Theta_n)/V_n)^2 [1/s^2] for both.
         """
         c = self.coefficients
         gain, zero = (c.mu_delta, c.b1) if input == "deflection" else (c.mu_alpha, c.b2)

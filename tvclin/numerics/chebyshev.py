@@ -184,9 +184,9 @@ class Surface:
     def factors(self, x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
         """Return the matrix from rows of `table` to values at m points, ``(m, 2 points)``.
 
-        `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each. The values are relative to
-        `first`. The first half of the rows of `table` are values at the Chebyshev points of x and
-        y, the second half slopes by z there.
+        `x`, `y`, `z`: coordinates of the m points, ``(m,)`` each. The first half of the rows of
+        `table` are values at the Chebyshev points of x and y, minus the value at the first of
+        these (`first`); the second half slopes by z there.
         """
         of_x = _factors(self.degree, _angles(x, *self.x))  # of the points of x
         of_y = _factors(_Y_DEGREE, _angles(y, *self.y))

@@ -502,7 +502,10 @@ class Study(CaseRequirement, Shown):
 
     @property
     def survives_bound(self) -> bool | None:
-        """Whether the survivable peak is a lower bound, `peak_bound`; None without one."""
+        """Whether the survivable peak is only a lower bound; None without one.
+
+        It is, at `peak_bound` [rad], the end of linear aerodynamics at a wind angle of 30 deg.
+        """
         if self.survivable_peak is None:
             return None
         return abs(self.survivable_peak) >= abs(self.peak_bound) * (1.0 - ROUNDING)

@@ -276,18 +276,19 @@ class LoadWeights:
 
     @cached_property
     def _before(self) -> ComplexArray:
-        """Factor of each unstable mode's state at a node in the weighted load, ``(n + 1, k)``.
+        """Factor of each unstable mode's state at n + 1 nodes in the weighted load, ``(n + 1, k)``.
 
-        The state is a sum backward in time from the end, so that a deflection changes the load
-        before it: the factor adds up the weights of the load there, decayed to the node, and the
-        price of the mode at the first node. Of the k columns only unstable modes are used.
+        The weighted load is the integral of the load times its weights, the multipliers of the
+        bounds. The state is a sum backward in time, so that a deflection changes the load before
+        it: the factor adds up the weights there, decayed to the node, and the price (multiplier) of
+        the condition on the mode at the first node. Of the k columns only unstable ones are used.
         """
         start, end = self.density_ends  # weight per time [1/s]; the end is near the node reached
         return self._decayed_weights(self.prices, end, start, self.node_weights[1:], self.widths)
 
     @cached_property
     def _after(self) -> ComplexArray:
-        """Weights of the load from each node on, decayed to the node, by mode ``(n + 1, k)``.
+        """Weights of the load from each of n + 1 nodes on, decayed to it, by mode ``(n + 1, k)``.
 
         Stable modes use them. Each is the share of the mode times the weights of cells (their
         `density_ends`) and of nodes. `_decayed_weights` goes forward in time, so that nodes and

@@ -119,6 +119,7 @@ class LoadProgram:
     def _unit(self) -> float:
         """Unit of the deflection [rad] in the program: the reference's peak, or static trim."""
         c = self.case
+        # B: trim deflection per angle of attack
         static_trim = abs(float(c.plant.coefficients.B) * float(c.wind.peak))
         return float(np.abs(self.reference).max()) or static_trim
 

@@ -83,8 +83,10 @@ def design_gains(
 ) -> Autopilot:
     """Return the autopilot that gives a fixed path a specified natural frequency and damping ratio.
 
-    Without actuator and delay, d being the vehicle's own damping, the closed loop is
-    s^2 + (mu_delta a1 + d) s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2.
+    Without actuator and delay the closed loop is
+    s^2 + (mu_delta a1 + d) s + (mu_delta a0 - mu_alpha) = s^2 + 2 damping omega_n s + omega_n^2,
+    with gains a0 on attitude and a1 on its rate, mu_alpha and mu_delta the moments over the inertia
+    per angle of attack and per deflection, and d the vehicle's own damping.
 
     Parameters
     ----------

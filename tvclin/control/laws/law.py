@@ -339,7 +339,7 @@ class LawInPlanes:
         if not self.radial:
             limits = [limit * plane_limit for plane_limit in self.plane_limits]
             return self._by_components(measured, states, limits)
-        # The wind is theta - alpha - gamma; an estimator has theta - alpha as its second state.
+        # The wind is attitude - alpha - path angle; an estimator estimates attitude - alpha.
         attitude, _, path, alpha, *_ = measured.T  # in the order of `Measurement`
         estimates = getattr(self.law, "estimator", None) is not None
         wind = (states[:, 1] if estimates else attitude - alpha) - path

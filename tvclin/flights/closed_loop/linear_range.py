@@ -125,11 +125,12 @@ def _remains_linear(
 
 
 def _overshoots(batch: Batch, f: Flights) -> FloatArray:
-    """Return bounds of the largest nozzle rate over that of its commands, of m flights, ``(m,)``.
+    """Return bounds of the largest nozzle rate over the rate of commands, of m flights, ``(m,)``.
 
     Commands that change by less than d in each sample h move a nozzle with the impulse response g
     by less than d times the largest sum of ``|g(t + k h)|`` over k, and that is below the integral
-    of ``|g|`` over h, plus the sum of its peaks. With the ratio r = exp(-pi zeta/sqrt(1 - zeta^2))
+    of ``|g|`` over h, plus the sum of its peaks. omega and zeta: frequency and damping ratio of the
+    actuator. With the ratio r = exp(-pi zeta/sqrt(1 - zeta^2))
     of a peak to the one before, the integral is (1 + r)/(1 - r), and the sum of the peaks below
     omega/(1 - r). r is zero of first order and for zeta >= 1; without an actuator the bound is one.
     `batch`, `f`: the flights, and their arrays.

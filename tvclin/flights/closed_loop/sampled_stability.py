@@ -268,9 +268,9 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
     """Return the smallest further delay [s] with which the loop is unstable.
 
     The delay is f + n samples. With the fraction f included in the response l of the loop
-    (`_response`), n = arg(l)/theta samples bring a mode to the unit circle where ``|l| = 1``; f is
-    the root for which n is a whole number. `batch`: one flight with a stable loop. `pole`: fastest
-    unstable pole of the plant [1/s]. Infinite if no delay makes it unstable.
+    (`_response`) at z = e^(j theta), n = arg(l)/theta samples bring a mode to the unit circle where
+    ``|l| = 1``; f is the root for which n is a whole number. `batch`: one flight with a stable
+    loop. `pole`: fastest unstable pole of the plant [1/s]. Infinite if no delay makes it unstable.
     """
     from scipy.optimize import brentq
 

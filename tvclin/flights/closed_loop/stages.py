@@ -279,9 +279,9 @@ class Stages:
 
     @property
     def _by_pressure(self) -> bool:
-        """Whether winds have so many breakpoints that few samples are smooth in time alone.
+        """Whether winds have so many breakpoints that matrices are rarely smooth in time alone.
 
-        Then the matrices are interpolated in time and in the dynamic pressure that the wind makes.
+        They are then interpolated in time and dynamic pressure; `vehicle_breaks` omits the winds.
         """
         added = sum(map(np.size, self.breaks)) - sum(map(np.size, self.vehicle_breaks))
         return added > self.times.size / _SAMPLES_PER_BREAK

@@ -182,8 +182,8 @@ def _highest_losses(
     refinement counts its steps from the highest loss before it; whenever a further value is lost,
     as many steps above that value must survive. `lost`: function from values ``(k, n)`` to whether
     they are lost. `scan`: values of the first scan, rising, ``(k, n)`` or ``(k, 1)``. `levels`: for
-    each refinement its step, the number of steps above a loss that must survive, and a stride s:
-    the previous level has tried every s-th step, and none with s = 1.
+    each refinement its step, the number `clear` of steps above a loss that must survive, and a
+    stride s: every s-th of these steps was tried by the previous level (none if s is 1).
     """
     highest, ends = np.where(lost(scan), scan, -np.inf).max(axis=0), []
     for step, clear, stride in levels:

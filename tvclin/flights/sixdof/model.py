@@ -134,8 +134,9 @@ def planet_xml() -> str:
 def model_xml(vehicle: Vehicle, heading: float = 0.0, departure: InitialState | None = None) -> str:
     """Return the XML of one vehicle, frozen or varying from an initial state on.
 
-    Thrust, a fraction of which is turned by the deflection, acts l_c aft of the centre of gravity;
-    the normal force N alpha and the axial force act l_a ahead of it, with alpha in body axes. A
+    Thrust, a fraction of which is turned by the deflection, acts the control arm aft of the centre
+    of gravity; the normal force N alpha (alpha: angle of attack in body axes) and the axial force
+    act the aerodynamic arm ahead of it. A
     damping moment opposes the rates of pitch and yaw. Two further forces freeze the flight: the
     first balances the weight across the nominal path, the second cancels all changes of speed. With
     a departure only inertia and damping are constant: aerodynamic forces are proportional to the

@@ -199,7 +199,7 @@ class Sizing(Tabled):
 
     @property
     def law_words(self) -> str:
-        """Meaning of the requirement without a forecast, in words."""
+        """Meaning of the requirement without a forecast in words: of `law`, "bound" or "flown"."""
         words = {
             "bound": QUANTITIES[NO_FORECAST],
             "flown": "the recoverable-attitude law",
