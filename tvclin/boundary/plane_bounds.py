@@ -106,8 +106,9 @@ class PlanePair:
         """Factors -B K1 p [1/s] from remaining wind integral to demand, ``(N,)`` in each plane.
 
         Of each of N unstable poles p; B K1, trim per wind angle times drift factor, is
-        N_wind(p)/N_deflection(p) of the attitude. The demand is the constant deflection [rad] that
-        cancels the wind's excitation of the mode.
+        N_wind(p)/N_deflection(p) of the attitude. The remaining wind integral at t [s] is that of
+        e^(-p (s - t)) alpha_w(s) over the times s from t on. The demand at t is the deflection
+        [rad], constant from t on, that cancels the excitation of the mode by that wind.
         """
         pitch, yaw = (
             np.asarray(-wind_over_deflection(plant, poles) * poles)

@@ -64,14 +64,15 @@ def flexible_answer(
 ) -> FlexibleAnswer:
     """Return margins, boundaries and flight of an autopilot with a flexible vehicle in one wind.
 
-    The autopilot is designed on the rigid plant, except for gains by a search, such as gains for
-    the minimum deflection. `criteria`: criteria for detuned modes. `limit`: deflection limit of the
-    flight [rad], None for no flight. `hardware`: actuator, rate limit, delay and sample rate of
-    flights, by name. `InputError` where margins or boundaries cannot be computed.
+    A boundary is the smallest deflection limit with which the autopilot survives the wind; that of
+    the rigid vehicle shows how much bending and slosh add. `autopilot`: with its gains, usually
+    designed on the rigid plant. `criteria`: criteria for detuned modes. `limit`: deflection limit
+    of the flight [rad], None for no flight. `hardware`: actuator, rate limit, delay and sample rate
+    of flights, by name. `InputError` where margins or boundaries cannot be computed.
     """
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
-    # boundaries are sought at least up to the limit
+    # boundary of the nozzle's stop (its deflection limit), sought at least up to `limit`
     flexible, rigid = (
         stop_boundary(vehicle, law, wind, limit or 0.0, hardware)
         for vehicle in (plant, plant.rigid)

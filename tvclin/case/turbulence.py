@@ -100,8 +100,13 @@ class TurbulenceRequest:
     table: Turbulence | None = None
 
     def __post_init__(self) -> None:
-        """Raise `InputError` for numbers out of range, and for none or several intensities."""
+        """Raise `InputError` for numbers out of range, and for none or several intensities.
+
+        At most one of sigmas and probability may be given: each defines `factor`, the number of
+        standard deviations that count.
+        """
         checked(self)
+        # `table` is what the keys or options file and level are read into; messages name these
         names = ("intensity", "severity", "exceedance", "table")
         requested = [name for name in names if getattr(self, name) is not None]
         if len(requested) != 1:

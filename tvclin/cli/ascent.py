@@ -154,6 +154,7 @@ def ascent(
     given; 1: NOT SUFFICIENT, NOT SURVIVED, or NOT KNOWN, as where a sounding ends below the flight
     (tvclin availability assumes 130 m/s there, a bound); 2: bad input.
     """
+    # `winds`: options of the winds; `question`: those of flight times, dead bands and variation
     case = case_over_flight("ascent", source, winds, question, limits, model, planes)
     request = case.sizing
     assert request is not None
@@ -165,8 +166,10 @@ def ascent(
     result = _Answer(
         source=source,
         sizing=sizing,
+        # the requirement that enters the budget as the wind's, of the direction `sign` alone if set
         counted=request.counted(sizing, case.sign),
         total=request.total(case, sizing, turbulence),
+        # limit over trim in the wind with what adds to it
         ratio=request.ratio(case, sizing),
         turbulence=turbulence if isinstance(turbulence, FlightTurbulence) else None,
         flights=_autopilot_flights(case, source, sizing, more),

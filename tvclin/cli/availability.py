@@ -224,10 +224,11 @@ def _print_details(result: Availability, source: str) -> None:
 
 
 def _verdict_with_times(balloon: Today, result: Availability) -> str:
-    """Return the verdict on a sounding in words, with the judged times if these are a part.
+    """Return the verdict on a launch in words, with the judged times if they are not all times.
 
-    `result`: availability with the flight, whose span is the whole. A sounding that is not known
-    has a reason in place of judged times.
+    `balloon`: verdict on the launch in the wind that one balloon measured today. Its `judged` are
+    the first and last flight time judged; its `why` is the reason of a verdict NOT KNOWN, to which
+    no times are added. `result`: availability, with the flight whose span are all times.
     """
     if balloon.why or balloon.judged == result.judge.flight.span:
         return _verdict(balloon)

@@ -158,14 +158,16 @@ def _subject(
     """Return name, plant, plane and wind shape of a file, or of a vehicle with beta = B = 1.
 
     `time`: flight time [s] of a schedule. `model`: options of model and plane. Without a vehicle
-    the flight path is fixed and the name empty: y_BR over tau beta is then the same for all poles
-    beta [1/s] and all B, the trim deflection per angle of attack.
+    the flight path is fixed and the name empty: the boundary limit over static trim, y_BR, is then
+    the same function of tau beta, duration times unstable pole, for all beta [1/s] and all B, the
+    trim deflection per angle of attack.
     """
     if vehicle is None:
         model.only_with("a vehicle")
         only_with("a vehicle", at=time)
         plant = Plant(Coefficients.from_beta(beta=1.0, B=1.0), "fixed-path")
         return "", plant, "pitch", "triangular"
+    # `questions`: name of this question, for notes on what it neglects of the file
     case = case_of(vehicle, model.applied_to, time=time, questions=("boundary --tau-beta",))
     return case.vehicle.name or vehicle, case.plant.rigid, case.plane, case.shape
 

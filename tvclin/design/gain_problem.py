@@ -240,6 +240,8 @@ class GainProblem:
         """
         assert isinstance(self.plant, FlexiblePlant)
         loop = self.autopilot(points).exact_loop(self.plant)
+        # the loop has its delay, but its delay margins are not computed: no criterion of a mode
+        # limits them, and they are most of the work
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
         for verdict in replace(self.criteria, limits=self._mode_limits).judge(bands):

@@ -370,13 +370,13 @@ def flown_limit(
     along: bool = False,
     tolerance: float = 2.5e-3,
 ) -> float:
-    """Return the boundary limit of the report's control in a triangular wind, by flying.
+    """Return the boundary limit over trim of the report's control in a triangular wind, by flying.
 
-    `name`: what `load_vehicle` and `load_flight_condition` find the vehicle by. `tau_beta`,
-    `dead_band`: duration of the wind times the unstable pole, and K. `plane`: of the wind, "pitch"
-    or "yaw". `peak`: its peak [rad], at the vehicle's own time. `engine`: one of `ENGINES`.
-    `along`: whether the parameters vary along the trajectory, which planar flights know; frozen
-    where not. `tolerance`: of the limit, over trim.
+    Trim is the deflection that holds the peak of the wind. `name`: name of the vehicle.
+    `tau_beta`, `dead_band`: duration of the wind times the unstable pole, and K. `plane`: of the
+    wind, "pitch" or "yaw". `peak`: its peak [rad], at the vehicle's own time. `engine`: simulation
+    that flies, "planar" (equations of one plane) or "sixdof" (JSBSim). `along`: whether mass,
+    forces and speed vary along the trajectory, or are frozen. `tolerance`: of the result.
     """
     from tvclin.flights.flown_boundary import flown_boundary  # late, with the engines
 

@@ -274,7 +274,7 @@ def laws_chart(
     ]
     words = f"{plant.model}, triangular winds of {np.degrees(peak):.4g} deg"
     curves = Curves("laws", words, f"tau*{symbol}", tau_beta, tuple(columns))
-    look = Look(
+    look = Look(  # the only panel has no heading: its limits have the key ""
         called(plant.coefficients.name, f"From trim to the minimum\n{words}"),
         "deflection limit over |B alpha_w,max|",
         _OPEN | law_styles(laws),

@@ -155,14 +155,15 @@ def autopilot_boundary(
 def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) -> AnyCase:
     """Return a case with its vehicle at the largest dynamic pressure encountered in its wind.
 
-    `need`: requirement of the case, with the plane and the direction of the wind that counts.
-    `size`: factor on the wind. A gust is at the time at which an autopilot is flown, that of
-    `case.wind_in_plane`. `InputError` for a plant in state space, known at nominal pressure alone,
-    and where `need` does not know the pressure encountered.
+    `need`: requirement of the case, with the plane and direction of the wind that counts, and with
+    the wind with its gust `placed` at the worst time for its dead band K. An autopilot is flown
+    with the gust of `case.wind_in_plane`, at the worst time for K = 1: the pressure must be that of
+    this wind. `size`: factor on the wind. `InputError` for a plant in state space, known at nominal
+    pressure alone, and where `need` does not know the pressure encountered.
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 
-    complete = _complete(case)
+    complete = _complete(case)  # the vehicle, checked to have what another pressure needs
     if need.unknown:  # a text with the reason
         raise InputError(need.unknown)
     in_plane = case.wind_in_plane

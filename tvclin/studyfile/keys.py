@@ -240,8 +240,10 @@ def key_tables() -> list[Table]:
 def column_tables() -> list[Table]:
     """Return tables of the columns of CSV files: of a flight, of its structure, and of gains.
 
-    They are named by keys without tables; columns of a filter in a table of gains have its number.
+    A column is named by a key of a study file without its table: thrust_N, not vehicle.thrust_N;
+    columns of a filter in a table of gains have the filter's number in place of its table.
     """
+    # a schedule's vehicles have file and flight time as `numbers_from`, which is no column
     vehicle = [
         key
         for key in all_keys()
@@ -257,6 +259,7 @@ def column_tables() -> list[Table]:
         Key(".keys of [[bending]]", help="As above, of a mode"),
         Key(".keys of [[slosh]]", help="As above, of a tank"),
     ]
+    # only numbers of a filter vary along a flight; its words and lists stay in the study file
     numbers = FileTable(FILTER_TABLE.heading, FILTER_TABLE.quantities)
     filters = [
         replace(key, name=key.name.replace("autopilot.filter.", f".{COLUMN_PREFIX}N."))

@@ -312,10 +312,12 @@ def _load(findings: Findings) -> Question:
 def _flight(findings: Findings) -> Question:
     """Return the question whether the limit covers the total deflection along the flight.
 
-    `findings`: results of a plan with a flight. The total is the largest sum of deflections [rad],
-    that of the wind among them, over the flight times. If the rate limit alone is insufficient, the
-    required rate [rad/s], of a ramp to the deflection of the wind, stands in its place.
+    `findings`: results of a plan. The total is the largest sum of deflections [rad] over the flight
+    times, that of the wind among them; the reserve is the fraction of the limit to stay unused. If
+    only the rate limit is insufficient, the question is of the required rate [rad/s] instead.
     """
+    # `line`: reason of the answer, with the words that a reserve is part of the required value;
+    # `whose`: beginning of a sentence that ends with that value
     name, request = "whole flight", findings.plan.sizing
     if findings.flight is None or request is None:
         return Question(name, None, (_reason(findings, "flight"),))
@@ -332,6 +334,7 @@ def _flight(findings: Findings) -> Question:
     limit = findings.study.limit
     angle_is_sufficient = limit is None or covers(limit, total.required)
     if total.too_slow and angle_is_sufficient:
+        # a ramp turns the nozzle to the deflection of the wind at a constant rate
         least = f"the least rate {OF_RAMP} with which the limit is sufficient"
         line = (f"{least} for {flight}", reserve)
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")

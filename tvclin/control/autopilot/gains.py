@@ -221,10 +221,12 @@ def drift_minimum_gains(
 ) -> Autopilot:
     """Return the autopilot whose flight path does not turn in a steady wind.
 
-    The vehicle leans into the wind until thrust and lift across the path cancel. The size of
-    alpha/alpha_w is then (b2 + w)/(b1 + w), with w = C2/mu_alpha = g sin(Theta_n)/V_n, and b1 and
-    b2 [1/s] of the drift model, gamma' = b1 delta/B + b2 alpha_w; without drag and weight it is
-    1/(1 + (N/T)(1 + l_a/l_c)), N being the lift slope, T the thrust, l_a and l_c the arms of both.
+    The vehicle leans into the wind until thrust and lift across the path cancel. The angle of
+    attack alpha = theta - gamma - alpha_w (attitude, path, wind) is then opposite to the wind
+    alpha_w, and ``|alpha/alpha_w|`` = (b2 + w)/(b1 + w), with w = C2/mu_alpha = g sin(Theta_n)/V_n
+    (speed V_n, nominal attitude Theta_n), and b1, b2 [1/s] of the drift model, gamma' = b1 delta/B
+    + b2 alpha_w; without drag and weight it is 1/(1 + (N/T)(1 + l_a/l_c)), N being the lift slope,
+    T the thrust, l_a and l_c the arms of both. C2 [1/s^3] is the weight's term of the report.
 
     Parameters
     ----------
@@ -244,7 +246,7 @@ def drift_minimum_gains(
 
     Notes
     -----
-    gamma' = 0 at gamma = 0 in eq (B6) with the attitude settled: (b1 + w) alpha +
+    gamma' = 0 at gamma = 0 in eq (B6) of the report with the attitude settled: (b1 + w) alpha +
     (b2 + w) alpha_w = 0. The principle is Hoelkner's.
     """
     c = _coefficients(plant)

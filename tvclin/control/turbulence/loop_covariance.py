@@ -278,7 +278,11 @@ class LoopCovariance(GaussianOutputs):
         return np.asarray(power / np.pi).reshape(frequencies.shape)
 
     def tables(self) -> list[Table]:
-        """Return the table of the rms of each output, and of its mean absolute rate."""
+        """Return the table of the rms of each output, and of the travel of the nozzle in a second.
+
+        The travel, the mean absolute deflection rate [deg/s], is no rms, although its row has the
+        same column. It is omitted for a nozzle that jumps, whose rate is infinite.
+        """
         kinds = {name: OUTPUT_KINDS.get(name, "number") for name in self.outputs}
         fields = [Field(name, kind, significant=4) for name, kind in kinds.items()]
         rows = [

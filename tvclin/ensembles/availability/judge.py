@@ -192,11 +192,12 @@ class Judge:
     ) -> tuple[Requirements, list[str]]:
         """Return requirements narrowed by flights where these decide on limits [rad]; and notes.
 
-        `bounds`: requirements of the soundings without flights. `limits`: by azimuth, ``(a,)``; a
-        negative one counts as zero. A sounding is flown with the limit where that is between its
-        bounds, or below the lower one but not below the lowest that may survive (`bounds.lowest`).
-        If it survives, the limit becomes its upper bound, in the second case both bounds. If it is
-        lost between the bounds, with all its wind known, it is flown for what it requires.
+        `bounds`: requirements without flights. `limits`: by azimuth, ``(a,)``; a negative one
+        counts as zero. A sounding is flown where the limit is `between` its bounds, which differ
+        where wind is unknown or trim reaches a limit more than once; or `below` the lower one but
+        not below `bounds.lowest`, with which a flight may survive. If it survives, the limit is its
+        upper bound, and if `below` also the lower one. If it is lost `between` in a known wind,
+        both bounds become its requirement by further flights.
         """
         limit = np.maximum(limits, 0.0)[:, np.newaxis]
         lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
@@ -214,8 +215,8 @@ class Judge:
                 if not selected.size:
                     continue
                 cases, selection = batch[selected], (winds.select(selected), within[selected], a)
-                # indices of planes, and winds in them; where a wind is not known it is calm,
-                # and must be survived as the strongest one too
+                # pairs of a plane's index and the winds in it, all of which must be survived:
+                # unknown parts of a wind as calm and, with `strong`, as the strongest wind
                 marched = list(self._marched(*selection))
                 if not wind_known:
                     marched += self._marched(*selection, strong=True)
@@ -223,6 +224,7 @@ class Judge:
                 fail = np.flatnonzero(between[a, cases] & ~survive[a, cases])
                 if wind_known and fail.size:
                     required = [(p, in_plane.requirement(fail)) for p, in_plane in marched]
+                    # of all planes together, in the measure of the limit shape
                     lower[a, cases[fail]] = upper[a, cases[fail]] = self._in_planes(required)
         upper = np.where(flown & survive, limit, upper)
         lower = np.where(below & survive, limit, lower)

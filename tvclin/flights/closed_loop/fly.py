@@ -157,6 +157,8 @@ def flight_responses(
 ) -> Responses:
     """Return outputs and deflection of a flight at n times as arrays, without python-control.
 
+    Outputs are those of the plant, then the lateral motion (drift rate, drift, acceleration) that
+    the law senses: the flight computes it for the law in any case.
     `timepts`: times [s], ``(n,)``. `deflection_limit`, `rate_limit`: limits of deflection [rad] and
     rate [rad/s]. `sample_rate`: samples of the law per second [Hz]; without it the law is
     continuous. `delay`: computing delay [s]. `gain`: factor on the demand of the law. Same

@@ -247,7 +247,11 @@ class FlightMode:
 
     @cached_property
     def sign_changes(self) -> FloatArray:
-        """Times [s] at which the moment changes its sign, up to `until_stable`, ``(k,)``."""
+        """Times [s] at which the aerodynamic moment changes its sign, ``(k,)``.
+
+        Only those within `until_stable`, the flight without the stable intervals at its end: before
+        these, intervals of both signs may alternate.
+        """
         intervals = self.until_stable.schedule.one_sign_intervals
         return np.array([interval.span[0] for interval in intervals[1:]])
 

@@ -249,14 +249,14 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
     """Return the steps to an answer, and whether each takes longer than a slider may wait.
 
     `choices`: the values of the controls. Margins, motion, outcome and requirement come first, then
-    the requirement for each duration of the curve. A step is slow unless its answer is cached: a
-    motion whose gust has no time yet, and a requirement with a gust or a direction of the wind.
+    the requirement for each duration of the curve. Slow, unless its answer is cached, is a motion
+    or outcome whose gust has no time yet, and a requirement with a gust or a direction of the wind.
+    A cache (`placed.cache`, `requirement.cache`) has the arguments of the function as its keys.
     """
     # plans with only those values on which a requirement, and the time of a gust, depend
     inputs, wind, gust = choices.requirement_inputs, choices.wind, choices.gust_inputs
-    # whether the worst time of a gust must be searched for now, by `placed`: it is neither given
-    # nor cached
-    sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
+    # whether `placed` must now search for the worst time of the gust: neither given nor cached
+    gust_sought = wind.gust is not None and wind.gust_at is None and (gust,) not in placed.cache
 
     def in_placed_wind(compute: Cached) -> CachedAnswer:
         """Return the motion or the outcome in the wind with its gust at the worst time.
@@ -273,13 +273,13 @@ def _steps(choices: Choices) -> list[tuple[Callable[[], CachedAnswer], bool]]:
         """Return the step of a plan's requirement, and whether it is slow."""
         return (lambda: requirement(plan)), _slow(choices) and (plan,) not in requirement.cache
 
-    lasting = (replace(wind, duration=duration) for duration in _durations(choices).tolist())
+    winds = (replace(wind, duration=duration) for duration in _durations(choices).tolist())
     return [
         (lambda: loop_margins(choices.margin_inputs), False),
-        (lambda: in_placed_wind(motion), sought),
-        (lambda: in_placed_wind(outcome), sought),
+        (lambda: in_placed_wind(motion), gust_sought),
+        (lambda: in_placed_wind(outcome), gust_sought),
         requirement_step(inputs),
-        *(requirement_step(replace(inputs, wind=duration)) for duration in lasting),
+        *(requirement_step(replace(inputs, wind=curve_wind)) for curve_wind in winds),
     ]
 
 
