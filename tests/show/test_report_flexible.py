@@ -229,3 +229,24 @@ def test_the_nominal_loop_is_no_change_and_unstable_changes_are_named_first(find
         f" {changes[-1]}; margins too small: {', '.join(changes[:3])}, ..."
     )
     assert nominal == "nominal"
+
+
+@pytest.mark.thorough
+def test_a_flight_without_the_structure_of_the_vehicle_is_not_known_to_have_its_margins(
+    plan: tv.studyfile.StudyPlan,
+) -> None:
+    """The loop along it is rigid: it survives and has its margins, and the vehicle bends."""
+    schedule = tv.load_schedule("configuration-i")
+    sizing = tv.requirement.SizingRequest(schedule=schedule, start=66.0, stop=68.0, every=2.0)
+    nozzle = replace(plan.nozzle, limit=np.radians(3.0))
+    along = replace(plan, sizing=sizing, nozzle=nozzle, criteria=None)
+    yes = {}
+    for structure in (plan.vehicle.structure, None):
+        rigid = replace(along, vehicle=along.vehicle.replace(structure=structure))
+        asked = questions(find(rigid))
+        yes[structure is None] = {
+            one.name: one.yes for one in asked if one.name.endswith("the flight")
+        }
+    names = "margins over the flight", "autopilot along the flight"
+    assert [yes[False][name] for name in names] == [None, None]
+    assert [yes[True][name] for name in names] == [True, True]

@@ -383,11 +383,11 @@ class FlightLoop:
     def _omitted(self, case: _Wind) -> str:
         """Return why survival in a wind is not known throughout, in words; empty if it is.
 
-        A flight may go beyond a sounding, or cross its gaps, between the first and the last time of
-        the sizing, by default of the flight. A pulse is known.
+        The flight may omit the structure of the vehicle; or go beyond a sounding, or cross its
+        gaps, between the first and the last time of the sizing, by default of the flight.
         """
-        if not isinstance(case.wind, MeasuredWind | MeasuredPlanes):
-            return ""
+        if self.plan.omitted_structure or not isinstance(case.wind, MeasuredWind | MeasuredPlanes):
+            return self.plan.omitted_structure  # empty in a pulse, which is known
         first, last = self.flight.span
         unknown = unknown_between(
             case.wind, _or_default(self.request.start, first), _or_default(self.request.stop, last)

@@ -583,12 +583,11 @@ def _margins(findings: Findings) -> Question:
 
 
 def _along_flight(findings: Findings) -> Iterator[Question]:
-    """Yield two questions of findings on the autopilot along the flight.
-
-    They are whether it has its margins at the flight times, and whether it survives, flown along.
-    """
+    """Yield whether the autopilot has its margins at the flight times, and survives along them."""
     sweep, flights, reasons = findings.sweep, findings.flights, findings.reasons
-    if sweep is not None:
+    if sweep is not None and sweep.all_satisfied and findings.plan.omitted_structure:
+        yield Question(_OVER_FLIGHT, None, (findings.plan.omitted_structure,))
+    elif sweep is not None:
         yield Question(_OVER_FLIGHT, sweep.all_satisfied, (sweep.verdict,))
     elif "sweep" in reasons:
         yield Question(_OVER_FLIGHT, None, (reasons["sweep"],))

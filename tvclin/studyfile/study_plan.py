@@ -183,6 +183,17 @@ class StudyPlan(Case):
         return self.criteria or CRITERIA["classic"]
 
     @property
+    def omitted_structure(self) -> str:
+        """Why answers along the flight omit the structure of the vehicle; empty if they do not."""
+        vehicle, sizing = self.vehicle, self.sizing
+        if sizing is None or vehicle.structure is None or sizing.schedule.structure is not None:
+            return ""
+        return (
+            "the vehicle has a structure, and its flight none, so that the loop is rigid along it"
+            " (structure in [schedule] gives modes over the flight, rigid in [study] omits them)"
+        )
+
+    @property
     def _modes(self) -> bool:
         """Whether the vehicle has bending or slosh modes."""
         if self.sizing is not None and self.sizing.schedule.structure is not None:
