@@ -130,8 +130,8 @@ def margin_tables(result: JudgedMargins, title: str = "Margins") -> tuple[Table,
 
 
 def mode_notes(result: JudgedMargins) -> Iterator[str]:
-    """Yield notes on modes without a required margin, where others have one."""
-    if result.bands is None or not result.criteria.has_mode_limits:
+    """Yield notes on modes without a required margin."""
+    if result.bands is None:
         return
     judged = {item.band for item in result.judged if item.band and not isnan(item.value)}
     for word, key in _KEYS.items():
