@@ -252,8 +252,8 @@ class AutopilotDesign:
             for names in (GIVEN_GAINS, RULE_PARAMETERS)
         )
         if rule:
-            given = ", ".join((*gains, *rule))
-            raise errors.InputError(f"give gains or a rule for them, not both; got {given}")
+            names = ", ".join((*gains, *rule))
+            raise errors.InputError(f"give gains or a rule for them, not both; got {names}")
         if self.attitude_gain is None or self.rate_gain is None:
             raise errors.InputError("gains of your own need attitude_gain and rate_gain, both")
 

@@ -130,21 +130,21 @@ def _overshoots(batch: Batch, f: Flights) -> FloatArray:
     Commands that change by less than d in each sample h move a nozzle with the impulse response g
     by less than d times the largest sum of ``|g(t + k h)|`` over k, and that is below the integral
     of ``|g|`` over h, plus the sum of its peaks. omega and zeta: frequency and damping ratio of the
-    actuator. With the ratio r = exp(-pi zeta/sqrt(1 - zeta^2))
-    of a peak to the one before, the integral is (1 + r)/(1 - r), and the sum of the peaks below
-    omega/(1 - r). r is zero of first order and for zeta >= 1; without an actuator the bound is one.
+    actuator. With the ratio r = exp(-pi zeta/sqrt(1 - zeta^2)) of a peak to the one before, the
+    integral is (1 + r)/(1 - r), and the sum of the peaks below omega/(1 - r). r is zero of first
+    order and for zeta >= 1; without an actuator the bound is one.
     `batch`, `f`: the flights, and their arrays.
     """
     actuator: Actuator | None = batch.hardware.actuator
     vehicle = f.cases.vehicle
-    turn = spread_to(frequency(actuator), batch.vehicles)[vehicle] * f.steps.lengths[vehicle, 0]
+    omega_h = spread_to(frequency(actuator), batch.vehicles)[vehicle] * f.steps.lengths[vehicle, 0]
     if actuator is None or actuator.damping is None:
-        return 1.0 + turn
+        return 1.0 + omega_h
     damping = spread_to(np.asarray(actuator.damping, float), batch.vehicles)[vehicle]
     with np.errstate(divide="ignore"):
         exponent = np.pi * damping / np.sqrt(np.maximum(1.0 - damping**2, 0.0))
     ratio = np.exp(-exponent)
-    return np.asarray((1.0 + ratio + turn) / (1.0 - ratio))
+    return np.asarray((1.0 + ratio + omega_h) / (1.0 - ratio))
 
 
 def flown_by_modes(batch: Batch) -> Flights:

@@ -499,16 +499,16 @@ def _interpolated_levels(rows: Rows, index: IndexArray) -> tuple[IndexArray, Flo
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         # minus the logarithm of pressure, which rises with height
-        ascent = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))
-    base = np.flatnonzero(~np.isnan(ascent + rows.height))
+        height_by_pressure = -np.log(np.where(rows.pressure > 0.0, rows.pressure, np.nan))
+    base = np.flatnonzero(~np.isnan(height_by_pressure + rows.height))
     # neighbours must ascend, in pressure and in height
-    base, _, _ = _above_previous(rows.sounding[base], ascent[base], base)
+    base, _, _ = _above_previous(rows.sounding[base], height_by_pressure[base], base)
     base, _, _ = _above_previous(rows.sounding[base], rows.height[base], base)
-    index = index[~np.isnan(ascent[index])]
+    index = index[~np.isnan(height_by_pressure[index])]
     if not base.size or not index.size:
         return index[:0], np.empty(0)
     # logarithms of pressures differ by less than 100: an offset keeps soundings apart in one row
-    position, key = (ascent[i] + 100.0 * rows.sounding[i] for i in (index, base))
+    position, key = (height_by_pressure[i] + 100.0 * rows.sounding[i] for i in (index, base))
     after = np.searchsorted(key, position)
     inside = (after > 0) & (after < key.size)
     low, high = base[np.maximum(after - 1, 0)], base[np.minimum(after, key.size - 1)]
