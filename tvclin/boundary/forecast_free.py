@@ -206,12 +206,12 @@ def forecast_free_limit(
         instead of a stop, over the peak: ``p * integral of e^(-p r) |alpha_w(r)| dr``, counted from
         there. One is a full reversal for ever.
     turn : float
-        phi [rad], by how much the direction changes then, to either side, in [0, pi]: pi, a
-        reversal in one plane, by default. Where it may be less as well, it is the same bound. The
-        stop is round unless it is pi. With W the remaining wind integral, discounted with the fast
-        pole, and S = sup W, y = max{W(onset), S/2, R, ``|S - R e^(j phi)|^2 / (2 (S - R cos
-        phi))``}, the last for cos(phi) < R/S only: turns of less than arccos(R/S) cost nothing. A
-        reversal gives (S + R)/2, a turn at right angles (S^2 + R^2)/(2 S).
+        phi [rad], largest change of direction then, to either side, in [0, pi]: pi, a reversal in
+        one plane, by default. The deflection limit is round unless phi is pi. With W the remaining
+        wind integral, discounted with the fast pole, and S = sup W, y = max{W(onset), S/2, R, ``|S
+        - R e^(j phi)|^2 / (2 (S - R cos phi))``}, the last for cos(phi) < R/S only: turns of less
+        than arccos(R/S) cost nothing. A reversal gives (S + R)/2, a turn at right angles (S^2 +
+        R^2)/(2 S).
 
     Returns
     -------

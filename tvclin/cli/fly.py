@@ -249,8 +249,9 @@ def fly_laws(
     """Fly laws in the standard winds, or in that of the options, and print their limits.
 
     `vehicle`: name of a vehicle or of a file. `time`: flight time [s] of a schedule. `model`,
-    `winds`, `law_options`: options of model and plane, of the wind, and of samples, delay and
-    gains. `more`: whether all tables and notes are printed.
+    `winds`, `law_options`: options of model and plane, of the wind, and of samples and delay
+    (`timing`) and gains. `more`: whether all tables and notes are printed. A study file with [laws]
+    has the rate of the samples, and in `cuts` how many sudden ends of each wind are tried too.
     """
     from tvclin import plots
 

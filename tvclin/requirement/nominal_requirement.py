@@ -119,12 +119,13 @@ def required_deflection(
     Eqs (4b), (17) and (C1). For K = 1 the requirement of the ideal trim law is computed by
     `time_varying`, as along flights and at the dynamic pressure encountered: the largest of
     min(trim, demand), the demand being the limit sufficient when held from then on. That does not
-    decide where the path is quick, where trim meets the limit more than once, or where a flight
-    with half a percent more diverges. There the limited law is flown with limits two percent apart,
-    near the highest one that diverges 0.2 percent apart, and the requirement is the smallest limit
-    above all that diverge. For 0 < K < 1 `time_varying` counts on a quick path too, where drift may
-    turn trim over, so that the dead band is entered again. A wind too long to be followed requires
-    the largest trim over K, and so does a pair, infinite for K = 0.
+    decide where the flight path is quick, unstable or about as fast as the attitude, where trim
+    meets the limit more than once, or where a flight with half a percent more diverges. There the
+    limited law is flown with limits two percent apart, near the highest one that diverges 0.2
+    percent apart, and the requirement is the smallest limit above all that diverge. For 0 < K < 1
+    `time_varying` counts on a quick path too, where drift may turn trim over, so that the dead band
+    is entered again. A wind too long to be followed, or a pair of unstable poles, requires the
+    largest trim over K, infinite for K = 0.
 
     Examples
     --------

@@ -318,7 +318,8 @@ def _keys(name: str, table: FileTable) -> Iterator[Key]:
 def _default(item: Any, factor: float | None) -> str:
     """Return the default of a field as text in the unit of its key; empty where there is none.
 
-    `item`: the field. `factor`: value in SI of that unit; None for a key without a unit.
+    `item`: the field, with its text `shown` if that stands for the default; `many`: whether it
+    holds several values. `factor`: value in SI of that unit; None for a key without a unit.
     """
     if item.shown or item.default is None:
         return item.shown

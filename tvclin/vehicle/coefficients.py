@@ -125,7 +125,7 @@ class Coefficients(Record):
 
     @classmethod
     def from_vehicle(cls, vehicle: Vehicle, plane: str = "pitch") -> Self:
-        """Return the coefficients of a vehicle, eqs (2), (B4), (B5) and (B7).
+        """Return the coefficients of a vehicle: moments (2), numerators and denominator (B7).
 
         Parameters
         ----------
@@ -137,8 +137,8 @@ class Coefficients(Record):
 
         Notes
         -----
-        Appendix B. Its rule for yaw sets Theta_n to 90 degrees throughout, which is right for
-        the cosine alone: it would make C2 too large by the factor 1/sin(Theta_n).
+        Appendix B, eqs (B4), (B5). Its rule for yaw sets Theta_n to 90 degrees throughout, which is
+        right for the cosine alone: it would make C2 too large by the factor 1/sin(Theta_n).
         """
         plane = errors.one_of("plane", plane, PLANES)
         errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")

@@ -309,7 +309,7 @@ def march(
 ) -> Moments:
     """Return mean and covariance of the states of a loop at times [s], from the first on.
 
-    Transition matrices are kept between some times, `chosen`, for the covariance of two times.
+    Transition matrices are kept between `chosen`, evenly spread times, for the covariance of two.
     `loop`: constant or varying. `times`: rising, of `march_times`. `wind`: known wind [rad], to
     which the mean is the response; without it the mean is zero. `start`: covariance at the first
     time, after its sample, ``(states, states)``; by default that of a vehicle at rest and a
@@ -330,6 +330,7 @@ def march(
     P = P if start is None else start
     means, covariances = np.zeros((times.size, n)), np.zeros((times.size, n, n))
     covariances[0], means[0] = P, mean
+    # the first of `times` from each evenly spread time on, equal but for rounding
     even = np.linspace(times[0], times[-1], min(_MAX_CHOSEN, times.size))
     chosen = np.unique(np.clip(np.searchsorted(times, even - _CLOSE_TIMES_S), 0, times.size - 1))
     is_chosen = np.isin(np.arange(times.size), chosen)

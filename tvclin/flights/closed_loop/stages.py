@@ -533,9 +533,9 @@ class Stages:
     def _judged(self) -> tuple[IntArray, IntArray]:
         """Sample from which flights through a wind are judged, and number of settled samples.
 
-        Each ``(w,)``, from the start of the flight. A flight survives if it stays settled, well
-        inside the recoverable set, for that number. It is judged from the end of the wind on; where
-        that is the end of the flight, earlier by the settling time and two more judgements.
+        Each ``(w,)``, from the start of the flight, which survives if it stays settled, well inside
+        the recoverable set, for that number. It is judged every `JUDGED_SAMPLES` from the end of
+        its wind; if that is its own end, settling time and two more judgements earlier.
         """
         h, flight = self.period, self.flight_of_wind
         # last samples of flights, and of their winds, from the start of the flight

@@ -468,16 +468,15 @@ class Airframe:
         h, run, set_deflection = self._step, self.engine.run, self._deflection_setters[self._plane]
         set_wind_speed = self._wind_setters[self._plane]
         hold_other_plane = self._attitude_hold(trajectory)
-        # the first nominal row, at the start; on the nominal path its attitude rate [1] turns it
-        prediction = Prediction(
-            self._readers[self._plane], h, sensors, path_rotation=h * next(nominal)[1]
-        )
+        _attitude, path_rate, *_ = next(nominal)  # at the start: path and attitude turn together
+        prediction = Prediction(self._readers[self._plane], h, sensors, h * path_rate)
         rows: list[Row] = [(0.0,) * _COLUMNS]
         gusts = zip(speeds[1:].tolist(), angles[1:].tolist(), nominal, strict=False)
         for k, (speed, angle, row) in enumerate(gusts, start=1):
             deflection = steering(k, prediction.measurement(angle, row))
             hold_other_plane()
-            set_deflection(row[4] + deflection)  # nominal deflection, and that of the law
+            *_, nominal_deflection, _force, _acceleration = row
+            set_deflection(nominal_deflection + deflection)
             set_wind_speed(speed)
             run()
             rows.append(prediction.after_step(deflection, angle, row))

@@ -593,7 +593,7 @@ class SizingRequest:
         )
 
     def _flight_winds(self, case: Case) -> FlightWinds:
-        """Return the winds on the flight of a case; a gust is worst for the largest dead band."""
+        """Return the winds on the flight of a case, gusts at the worst time for the largest K."""
         return FlightWinds(
             case=case,
             schedule=self.schedule,

@@ -69,8 +69,8 @@ def two_plane_sizing(
 
     `parts`: sizing of each plane. `vehicles`: by flight time, ``(n,)``. `placed`: winds by plane,
     by flight time and wind. `limit_shape`: shape of the limit in both planes. `counted`: function
-    that returns its argument and counts it for the progress. Of fields of `Sizing` that warn
-    (change, covered, slow_mode, edge) the plane that is worse counts.
+    that returns its argument and counts it for the progress. The worse plane counts in what limits
+    validity: change of the vehicle, coverage of the wind by the schedule, and the two-pole result.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
     bands = pitch.dead_bands
@@ -78,8 +78,8 @@ def two_plane_sizing(
         [counted(_vector(vehicle, pitch.model, wind, limit_shape, bands)) for wind in row]
         for vehicle, row in zip(vehicles, placed, strict=True)
     ]
+    # flight times [s] at which requirements arise; `more`: where the vector requires more
     arises = {name: _two_plane_arising(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
-    # `more`: where the wind vector requires more than the planes by themselves
     required, more = _required(pitch, yaw, needs, limit_shape, arises)
     # a vector without trim is one for which no requirement of both planes is defined
     refused = [[bool(vector.notes) and not vector.trim for vector in row] for row in needs]
