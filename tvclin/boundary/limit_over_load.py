@@ -578,8 +578,9 @@ def load_trade_off(
     Returns
     -------
     LoadTradeOff
-        A computed deflection attains each limit, with its load known between the nodes too. The
-        lower bound, from multipliers of the program, is within 1e-4, or a note says more.
+        Each limit is the peak of a computed deflection, which keeps the load within its bound at
+        all times. The lower bound of it, from the multipliers of the linear program, is at most
+        1e-4 less, relative, or a note says how much.
 
     Raises
     ------

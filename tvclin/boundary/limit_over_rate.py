@@ -63,13 +63,13 @@ _MAX_RATE_RATIO = 1e4
 def lower_bound_text(name: str, deflection: float, at: str = "") -> str:
     """Return the sentence that a lower bound of the limit is `deflection` [rad].
 
-    `name`: of the bound, in `QUANTITIES`. `at`: text with what it holds, as " at this rate limit".
+    `name`: of the bound, in `QUANTITIES`. `at`: its condition, such as " at this rate limit".
     """
-    whose = f" for a {FORECAST_FREE}" if name == NO_FORECAST else ""
+    for_law = f" for a {FORECAST_FREE}" if name == NO_FORECAST else ""
     if np.isinf(deflection):
-        return f"{name}{at}: no limit is sufficient{whose}"
-    never = "not sufficient" if whose else "never sufficient"
-    return f"{name}{at}: {np.degrees(deflection):.3f} deg; a limit below it is {never}{whose}"
+        return f"{name}{at}: no limit is sufficient{for_law}"
+    never = "not sufficient" if for_law else "never sufficient"
+    return f"{name}{at}: {np.degrees(deflection):.3f} deg; a limit below it is {never}{for_law}"
 
 
 def point_table(caption: str, trade_off: TradeOff, *rows: tuple[str, str, str]) -> Table:

@@ -278,6 +278,7 @@ def _limit_after_trim(
     modes = modes.reshape(-1, modes.shape[-1])
     number = (~np.isnan(modes)).sum(axis=-1)  # NaN stands for a mode that is not there
     applicable = (K.ravel() > 0.0) & (K.ravel() < 1.0) & np.isfinite(limits) & (number > 1)
+    # trim never exceeds `highest`, so that no limit above it is ever reached
     highest = np.minimum(problem.largest_trim(applicable.reshape(shape)).ravel(), _MAX_LIMIT)
     applicable &= highest > limits
     after = _AfterTrim(problem, K.ravel(), modes)

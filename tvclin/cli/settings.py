@@ -304,13 +304,14 @@ def required_with(key: str, option: str) -> list[str]:
 
 
 def option_of_key(key: str, flags: Iterable[str]) -> str | None:
-    """Return the first of options that gives the same as a `key`; None without one.
+    """Return the first of options that gives the same as a `key` of a file; None without one.
 
     `flags`: options of a command, such as "--at", which gives ``study.time_s``.
     """
     from tvclin.studyfile.settings import quantity_name
 
     name, keys = quantity_name(key), _WIND_KEYS | _OTHER_KEYS | _field_keys()
+    # the first key of an option is what it gives; the others are only excluded beside it
     return next((flag for flag in flags if name in keys.get(flag, ())[:1]), None)
 
 

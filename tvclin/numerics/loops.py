@@ -646,4 +646,4 @@ def _chebyshev_derivative(count: int) -> FloatArray:
     c *= (-1.0) ** np.arange(count + 1)
     differences = x[:, np.newaxis] - x + np.eye(count + 1)  # 1 on the diagonal, to be divided by
     derivative = np.outer(c, 1.0 / c) / differences
-    return derivative - np.diag(derivative.sum(axis=1))
+    return derivative - np.diag(derivative.sum(axis=1))  # zero row sums: constants have no slope

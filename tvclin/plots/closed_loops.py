@@ -295,7 +295,7 @@ def _times(start: float, stop: float, wind: History, count: int) -> FloatArray:
 def _wind_horizon(
     autopilot: Autopilot, plant: AnyPlant, wind: History, margins: Margins
 ) -> tuple[float, float]:
-    """Return start and end [s] of a figure: the wind and a settling time; if unstable, growth.
+    """Return start and end [s] of a figure: of the wind and a settling time, or of the growth.
 
     `autopilot`, `plant`: the loop, with its `margins`, which say whether it is stable. A wind that
     never ends or begins counts to its last breakpoint, and from zero. The settling time is at most

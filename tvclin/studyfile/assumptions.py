@@ -125,8 +125,8 @@ def _sign(findings: Findings) -> Iterator[Assumption]:
 def _linear(findings: Findings) -> Iterator[Assumption]:
     """Yield the assumption of linear aerodynamics, with the largest angle of attack in findings.
 
-    That [rad] is the peak of the wind, of its vector where both planes are judged, or what the
-    autopilot reaches in it; `plane_ratio` makes an angle in this plane one of both. It is doubtful
+    That [rad] is the peak of the wind, of its vector where both planes are judged, or the peak of
+    the autopilot times `plane_ratio`, the ratio of both planes to this one. It is doubtful
     beyond `MAX_CERTAIN_ANGLE`; so is a larger wind that the limit survives.
     """
     s, c = findings.study, findings.comparison

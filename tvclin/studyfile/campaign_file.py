@@ -312,10 +312,11 @@ def differing_vehicle(vehicle: AnyVehicle, schedule: FlightSchedule) -> str:
 def with_flight_data(
     vehicle: AnyVehicle, nozzle: Nozzle, document: Mapping[str, Any], folder: Path
 ) -> dict[str, Any]:
-    """Return vehicle and nozzle by field, with structure and actuator of the flight at its time.
+    """Return "vehicle" and "nozzle", with structure and actuator of the flight at a time.
 
-    A structure of the vehicle file counts unless [schedule] names one. A flight of another vehicle
-    changes neither. `document`: tables of the file; `folder`: where the files that it names are.
+    The time is the vehicle's, time_s in its file. A structure of the vehicle file counts unless
+    [schedule] names one. A flight of another vehicle, "another" of `flight_of`, changes neither.
+    `document`: tables of the file; `folder`: where the files that it names are.
     """
     same = {"vehicle": vehicle, "nozzle": nozzle}
     table, time = document.get("schedule"), getattr(vehicle, "time", None)
@@ -329,7 +330,7 @@ def with_flight_data(
         return same
     flight = flight_of(document, folder)
     schedule: FlightSchedule = flight["schedule"]
-    if "another" in flight:  # it belongs to another vehicle
+    if "another" in flight:
         return same
     if schedule.structure is not None and (
         vehicle.structure is None or "structure" in (table or {})

@@ -239,15 +239,15 @@ class Curves:
 
         The exit is where trim is K times the peak required from then on: here not `demand`, of a
         constant deflection, but `minimum`, the smallest peak of any deflection that survives from
-        the begin and the end of each step on [rad], ``(n, S, 2)``, linear within a step.
-        `times` are begin, middle and end of each step [s]. `dead_band`: K.
+        the begin and the end of each step on [rad], ``(n, S, 2)``, linear within a step. It is a
+        size, which `sign` gives the sign of trim. `dead_band`: K.
         """
         values = np.stack([minimum[..., 0], minimum.mean(axis=-1), minimum[..., 1]], axis=-1)
         sign = self.sign[:, np.newaxis, np.newaxis]
-        width = self.times[..., 2:] - self.times[..., :1]  # zero where two breakpoints coincide
+        width = self._lengths[..., np.newaxis]  # [s], zero where two breakpoints coincide
         rise = np.diff(minimum, axis=-1)
-        line = np.divide(rise, width, out=np.zeros_like(rise), where=width > 0.0)
-        slopes = np.broadcast_to(line, minimum.shape)
+        slope = np.divide(rise, width, out=np.zeros_like(rise), where=width > 0.0)
+        slopes = np.broadcast_to(slope, minimum.shape)
         return self._exit_from(sign * values, sign * slopes, dead_band)
 
     def _exit_from(

@@ -442,15 +442,18 @@ class EncounteredWind:
         return replace(self, angle=angle, speed=speed)
 
     def of(self, cases: IndexArray, count: int) -> EncounteredWind:
-        """Return the winds of some cases, by their indices, of a batch of `count`."""
+        """Return the winds of cases, by their indices, of a batch of `count`.
+
+        Angles of the path, fractions of the wind angle, and histories of wind angle and wind speed
+        are those of the cases; what all cases share stays.
+        """
 
         def selected(x: FloatArray) -> FloatArray:
             """Return the numbers `x` of the cases; a scalar is the same in all."""
             return x[cases] if np.size(x) > 1 else x
 
-        pitch, yaw = map(selected, self.of_angle)  # fractions of the wind angle in the planes
+        pitch, yaw = map(selected, self.of_angle)
         winds = replace(self, path=selected(self.path), of_angle=(pitch, yaw))
-        # and the histories of wind angle and wind speed
         return winds._with(lambda x: x.cases(cases, (count,)) if x.batch else x)
 
 

@@ -262,6 +262,7 @@ def _from_grid(window: Window) -> SignedSum:
     for _ in range(_GRID_REFINEMENTS):
         levels, prices = grid_optimum(window.constraints, cells)  # levels: deflection over the peak
         switches, uncertain = switch_times_of(cells, levels)
+        # two guesses of the multipliers: those whose sum is zero at the switches, and the program's
         for guess in _scaled(window, [window.vanishing_at(switches), prices]):
             solution = _newton(guess)
             best = solution if best is None or solution.residual < best.residual else best

@@ -326,11 +326,11 @@ class LoadProgram:
     def _proof(
         self, weights: FloatArray, prices: FloatArray, rate_prices: FloatArray | None
     ) -> tuple[float, float]:
-        """Return b and s: no deflection has a peak below b - s load [rad], with its largest load.
+        """Return b [rad] and s: no deflection whose largest load is L has a peak below b - s L.
 
-        By duality: a sum of loads with any `weights` is at most their sizes times the largest load,
-        and at least the sum for the reference deflection, less A, less N times the peak: b = (sum -
-        A)/N and s = sizes/N (`LoadWeights.proof`).
+        By duality: a sum of loads with weights w is at most L times the sum of |w|. It is at least
+        W - A - N times the peak, with W the sum for the reference deflection, and A and N those of
+        `LoadWeights.proof`. So b = (W - A)/N and s is the sum of |w| over N.
         `weights`: multipliers of the load rows at the nodes; with M, of both ends of each cell.
         `prices`: multipliers of the unstable modes' conditions. `rate_prices`: of the rate limit by
         cell, or None.
@@ -339,7 +339,7 @@ class LoadProgram:
         if case.ratio == 0.0:  # M: the load is the angle of attack alone
             _, high, low = self._loads  # largest and smallest load with variables of zero
             node_weights, density_ends = np.append(0.0, weights), np.zeros((2, n))
-            # at each node the load without the variables on the side that the weight's sign bounds
+            # at a jump of the wind a positive weight has the larger load, a negative the smaller
             weighted_load = float(weights @ np.where(weights > 0.0, high, low)) * self._unit
         else:
             # weights at both ends of a cell as a density [1/s], straight in the cell, of the same

@@ -201,9 +201,10 @@ class Window:
 
     @cached_property
     def end(self) -> float:
-        """Time [s] at which the window is cut: the horizon; infinite for real poles without.
+        """Time [s] up to which sums of the exponentials are evaluated.
 
-        With a complex pair, whose sums change sign without end, 34 of the slowest time constants.
+        It is the horizon of the constraints. Without one it is infinite for real poles, and 34 of
+        the slowest time constants with a complex pair, whose sums change sign without end.
         """
         c = self.constraints
         if c.real or np.isfinite(c.horizon):

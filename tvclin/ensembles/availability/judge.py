@@ -123,7 +123,7 @@ class Judge:
         pressure: bool,
         **options: Any,
     ) -> Judge:
-        """Return the judge of a flight, which computes what soundings require in it.
+        """Return the judge of a flight: of the requirements of soundings while it is unstable.
 
         `plane`: pitch, yaw or both. `model`: name of the linear model. `azimuths`: directions of
         flight [rad], ``(a,)``. `growth`: growth of winds until launch. `gust`, `gust_speed`: gust

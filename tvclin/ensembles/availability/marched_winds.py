@@ -129,12 +129,12 @@ class PlaneMarch:
     def bounds(self, winds: LineWinds) -> Bounds:
         """Return bounds of the required deflections [rad] of n winds, by trim and demand over time.
 
-        Both bounds are max(min(trim, demand)), unless flights of the trim law would decide
-        (`time_varying.decided_by_flights`). These are not flown here, but for one with the limit
-        `highest`, which the law never reaches, where the law may diverge with it: the upper bound
-        is infinite then. `lowest`: lowest limit with which a flight may survive. With a quick path
-        (b1 negative, or a second pole comparable with the fastest) or a moment of changing sign no
-        multiple of the limit bounds the requirement.
+        Both are max(min(trim, demand)), or the minimum peak over all unstable modes if larger.
+        Where flights of the trim law would decide (`decided_by_flights`) the upper one is 1.2 times
+        that, as was measured, at most `highest`, a limit that the law never reaches. With a quick
+        path (b1 negative, or a second pole comparable with the fastest) or a moment of changing
+        sign it is `highest`. Where the law may diverge with that, it is flown: infinite if it does.
+        `lowest`: lowest limit with which a flight may survive.
         """
         stepped = self.stepped(winds)
         equations, march = stepped.equations, stepped.curves()  # trim and demand over time
@@ -146,7 +146,6 @@ class PlaneMarch:
             minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])
         flown, lowest = time_varying.decided_by_flights(equations, march, limit)
         limit, lowest = np.maximum(limit, minimum), np.maximum(lowest, minimum)
-        # a flight requires at most 1.2 times the limit, as was measured, and at most `highest`
         upper = np.maximum(limit, np.minimum(_MAX_UPPER_RATIO * limit, highest))
         if np.any(equations.quick_path | equations.changes_sign) or self._law_may_diverge:
             upper = np.maximum(limit, highest)

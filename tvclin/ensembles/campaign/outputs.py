@@ -221,7 +221,7 @@ def flights(campaign: Campaign, batch: Batch) -> dict[str, Any]:
 
 
 def shares_of(campaign: Campaign, batch: Batch) -> dict[str, FloatArray]:
-    """Return the fractions of the limit that each plane has, ``(n,)``, in ratio of its peak winds.
+    """Return the fractions of the limit that each plane has, ``(n,)``, in ratio of their winds.
 
     With them the rectangle of both deflections lies within the limit shape, so that each plane may
     be flown by itself. `campaign`: has the limit shape. `batch`: n cases, in both planes.

@@ -79,9 +79,9 @@ def has_limit_cycle(f: Flights, laws: LawBatch) -> BoolArray:
 def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
     """Return the flights at `indices` after a further interval, in still air.
 
-    Time goes on from the end of a flight, with its states and its pending commands, which are kept
-    in a ring; samples count from zero again. `f`: arrays of all flights at their ends. `laws`: laws
-    of the flights.
+    Time goes on from the end of a flight, with its states, the matrices of its last sample, and its
+    pending commands, which are kept in a ring; samples count from zero again. `f`: arrays of all
+    flights at their ends; `now.ended` is the last sample. `laws`: laws of the flights.
     """
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
@@ -92,10 +92,11 @@ def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
     size = g.now.commands.shape[1]  # of the ring, in which sample k has the place k modulo size
     places = (g.now.ended[:, np.newaxis] + np.arange(size)) % size  # the last sample becomes 0
     g.now.commands[:] = np.take_along_axis(g.now.commands, places, axis=1)
-    g.cases.start[:] += g.now.ended * g.steps.lengths[g.cases.vehicle, 0]
+    sample_length = g.steps.lengths[g.cases.vehicle, 0]  # [s]
+    g.cases.start[:] += g.now.ended * sample_length
     g.cases.finish[:] = np.maximum(np.ceil(_INTERVAL_OVER_SETTLING * g.cases.settling), 1)
     g.cases.ends[:] = NEVER  # not judged
-    g.cases.stages[:] = 1  # with the matrices of the last sample throughout
+    g.cases.stages[:] = 1  # the same matrices at all samples
     g.now.outcome[:], g.now.ended[:], g.now.peaks[:] = UNDECIDED_CODE, -1, 0.0
     finish(g, laws)
     return g

@@ -162,8 +162,7 @@ def limits_above_losses(
         return lost(low * np.exp(np.minimum(x, span))) & (x <= span)
 
     last = fine / LAST_PARTS  # the last step
-    # of each refinement the step, the number of steps above a loss that must survive, and 1: the
-    # scan has tried none of these steps
+    # `levels` of `_highest_losses`, with the stride 1: no step was tried by the scan before
     levels = [(fine, int(AHEAD / FINE), 1), (last, LAST_PARTS - 1, 1)]
     highest, _ = _highest_losses(logarithm_lost, scan, levels)  # -inf without a loss
     never = highest >= span

@@ -492,10 +492,11 @@ class SizingRequest:
         errors.instance(
             "turbulence", turbulence, TurbulenceRequest, "of an intensity or a severity"
         )
-        signed = tuple(pulse.heading is None for pulse in self.pulses(case))  # head or tail
+        # a pulse without a heading may be a head or a tail wind
+        signed = tuple(pulse.heading is None for pulse in self.pulses(case))
         winds, times = self.winds(case), self.times(case)
         try:
-            # gains over the flight, where it has them
+            # the autopilot over the flight, where the request specifies one
             flown = replace(case, design=self.scheduled_design or case.design)
             along_flight = flight_turbulence(flown, turbulence, self.schedule, times, winds, signed)
             return replace(along_flight, sounding_wavelength=self._sounding_wavelength)

@@ -141,7 +141,7 @@ def _page(findings: Findings, environment: "Environment", name: str) -> str:
     """
     names = _names(findings)
     sections = environment.get_template("sections.html").render(names)
-    assumed = assumptions.assumptions(findings)
+    assumed, doubtful_notes = assumptions.assumptions(findings), sections.count(_DOUBT)
     document = {} if findings.plan.document is None else asdict(findings.plan.document)
     return environment.get_template("page.html").render(
         names,
@@ -152,7 +152,7 @@ def _page(findings: Findings, environment: "Environment", name: str) -> str:
         basis=verdict.basis(findings),
         facts=verdict.facts(findings),
         assumed=assumed,
-        doubts=assumptions.doubts_counted(assumed, sections.count(_DOUBT)),  # and doubtful notes
+        doubts=assumptions.doubts_counted(assumed, doubtful_notes),
         sections=sections,
         headings=_HEADING.findall(sections),
         glossary=glossary_table(_words(sections)),
