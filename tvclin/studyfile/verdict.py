@@ -250,9 +250,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
 HEAD = ("question", "answer", "required", "available", "remaining", "why")
 _NUMBERS = ("required", "available", "remaining")
 """Names of the numbers of a measure, below the headings required, available and remaining."""
-_SUFFIXES = {"%": "percent"}
-"""Units in the names of numbers."""
-_ROUNDED = ("deg", "deg/s", "%", "dB", "ms", "")
+_UNITS_BY_DECIMALS = ("deg", "deg/s", "%", "dB", "ms", "")
 """Units of which the digits behind the point are given; of others four digits count."""
 _NOT_JUDGED = "not judged"
 """Answer of values that no criterion bounds."""
@@ -317,11 +315,11 @@ def _shown(key: str, name: str, measure: Measure) -> Line:
     `measure`. An infinite required angle is shown as a text.
     """
     value, unit = getattr(measure, name), measure.unit
-    suffix = _SUFFIXES.get(unit, unit.replace("/", "_per_").replace(" ", "_"))
+    suffix = "percent" if unit == "%" else unit.replace("/", "_per_").replace(" ", "_")
     key += f"_{suffix}" if suffix else ""
-    if unit not in _ROUNDED:
+    if unit not in _UNITS_BY_DECIMALS:
         return significant(key, value, unit=unit)
-    line = number(key, value, measure.digits, unit)
+    line = number(key, value, measure.digits, unit)  # `digits` behind the point
     return minimum_limit(line) if name == "required" and unit == "deg" else line
 
 

@@ -217,18 +217,18 @@ def best_multipliers(window: Window) -> SignedSum:
 
 
 def _with_last_switch(window: Window) -> SignedSum | None:
-    """Return the sum lambda . e whose sign is a deflection with one switch after the faster poles'.
+    """Return the sum lambda . e whose sign is the optimum without the slowest pole plus one switch.
 
-    These require the peak, and the switch serves the slowest real pole: the sum is optimal if the
-    switch is so late that it does not change their moments; the caller checks that. None if
-    the slowest pole is complex, the faster ones demand nothing, or no such switch exists. `window`:
-    the poles' exponentials e_i, and demands d_i of their integrals times the deflection.
+    The faster poles alone set its peak. A switch after theirs satisfies the condition of the
+    slowest; it is optimal if so late that it does not change their moments, which the caller
+    checks. None if the slowest pole is complex, the faster demand nothing, or no switch serves.
+    `window`: exponentials e_i of the poles, and demands d_i of their moments with the deflection.
     """
     c = window.constraints
     # index of the slowest pole, and of its condition, which differ after complex pairs
     slowest, row = int(np.argmin(np.real(c.poles))), int(np.argmin(c.decays))
     poles, demands = np.delete(c.poles, slowest), np.delete(c.demands, row)
-    if c.pulsations[row] or not np.any(demands):
+    if c.pulsations[row] or not np.any(demands):  # complex slowest pole, or nothing demanded
         return None
     poles = poles if np.any(np.imag(poles)) else np.real(poles)  # real for `Constraints.real`
     faster = best_multipliers(Window(Constraints(poles, demands, c.horizon)))

@@ -184,9 +184,9 @@ class RateProgram:
     ) -> Any:
         """Return the result of minimum peak, rate or total motion (`aim`); None if infeasible.
 
-        The variables, over `unit`: deflections at all nodes but the first; their changes up, and
-        down, in each interval; and the peak, or for the minimum rate the rate times the time of the
-        last node. `peak`: bound of this last variable. `around`: a solution to be corrected; the
+        The variables, over `unit` [rad]: deflections at all nodes but the first; their changes up,
+        and down, in each interval; and the peak, or for the minimum rate this rate times the last
+        node [s]. `peak`: bound of that last variable. `around`: a solution to be corrected; the
         result is then the change from it times `_RESIDUAL_SCALE`, within `max_change`.
         """
         from scipy.optimize import linprog  # late: it takes 0.3 s to import

@@ -223,7 +223,11 @@ class CampaignSummary(Shown):
         }
 
     def tables(self) -> tuple[Table, Table]:
-        """Return the tables of the answer with its drivers, and of its convergence."""
+        """Return the tables of the answer with its drivers, and of its convergence.
+
+        The second has a row for each of some numbers of first cases: the quantile of the sample and
+        its bounds with the confidence, not below and not above which that of all cases lies.
+        """
         plan, r = self.results.campaign, self.required
         planes = f", both planes, {plan.nozzle.limit_shape} stop" if plan.planes == BOTH else ""
         caption = (
@@ -231,10 +235,13 @@ class CampaignSummary(Shown):
         )
         rows = tuple(
             (
-                significant(f"convergence.{q.cases}", q.cases, 9),
-                *(self._bound(f"convergence.{q.cases}.{k}", getattr(q, k)) for k in _BOUNDS),
+                significant(f"convergence.{quantile.cases}", quantile.cases, 9),
+                *(
+                    self._bound(f"convergence.{quantile.cases}.{name}", getattr(quantile, name))
+                    for name in _BOUNDS
+                ),
             )
-            for q in self.convergence
+            for quantile in self.convergence
         )
         converges = (
             f"Convergence of {100 * r.probability:g} %, each bound {100 * r.confidence:g} % sure"

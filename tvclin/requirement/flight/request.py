@@ -166,7 +166,8 @@ class FlightWinds:
     def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
         """Return the wind angle of attack [rad] in a sounding over flight time, with the gust.
 
-        It is in the plane of the case, or in both. `name`: name of the sounding, for messages.
+        It is in the plane of the case, or in both, with the dynamic pressure encountered unless the
+        case has the nominal one (`FROZEN`). `name`: name of the sounding, for messages.
         """
         with errors.naming(name):
             return fly_through(
