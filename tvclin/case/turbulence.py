@@ -182,7 +182,9 @@ class TurbulenceRequest:
                 f"turbulence needs an altitude with {key}, on which its intensity depends: give"
                 " altitude_m in [turbulence], or a table [flight] in the vehicle file"
             )
-        return self.over_altitude if height is None else self.over_altitude.at(height)
+        if height is None:  # one intensity and length at all altitudes
+            return self.over_altitude
+        return self.over_altitude.at(height)
 
 
 TURBULENCE_TABLE = file_table("[turbulence]", TurbulenceRequest, words=("file",), lists=(LEVELS,))

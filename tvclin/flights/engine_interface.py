@@ -187,19 +187,15 @@ def verdict_of(
     """Return the function from a deflection limit [rad] to whether its flight survives.
 
     `late_rate`: function from a limit to the attitude rate [rad/s] at the time of the verdict.
-    `control`: a law returns to equilibrium, and must not fall in either direction; one that holds
-    the limit for ever is lost only in the direction in which the wind turns a vehicle. A positive
-    wind turns it to negative attitudes. `wind`: one wind. `pole`: unstable pole of the vehicle
-    [1/s].
+    `control`: a law, which returns to equilibrium and must not fall in either direction; or the
+    report's control, which holds the limit for ever and is lost only in the direction in which the
+    wind turns the vehicle: a positive wind to negative attitudes. `wind`: one wind. `pole`:
+    unstable pole of the vehicle [1/s].
     """
     peak, is_law = float(wind.peak), isinstance(control, Law)
 
     def survives(limit: float) -> bool:
-        """Return whether the flight with a deflection limit [rad] survives: no late fall.
-
-        A law (`is_law`) must not fall to either side; the report's control, which holds its limit
-        for ever, only to the side to which the wind of that `peak` turns the vehicle.
-        """
+        """Return whether the flight with a deflection limit [rad] survives: no late fall."""
         rate = late_rate(limit)  # of the attitude [rad/s], at the time of the verdict
         rate_with_wind = -rate if peak > 0.0 else rate
         return not has_fallen(abs(rate) if is_law else rate_with_wind, peak, pole)

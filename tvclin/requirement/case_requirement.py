@@ -430,10 +430,10 @@ def survived_size(
     first = -excess(0.0)  # logarithm of the factor if the requirement were in proportion
     if abs(first) < tolerance:
         return 1.0
-    most = float(np.log(largest))
-    end = min(first, most)  # other end of the bracket
-    if end < most and excess(end) * first <= 0.0:  # no change of sign up to here
-        end = min(2.0 * first, most)
+    highest = float(np.log(largest))
+    end = min(first, highest)  # other end of the bracket
+    if end < highest and excess(end) * first <= 0.0:  # no change of sign up to here
+        end = min(2.0 * first, highest)
     while first < 0.0 < excess(end):  # towards smaller winds
         end *= 2.0
     if excess(end) < 0.0 < first:  # the largest factor tried is survived

@@ -52,13 +52,13 @@ class UnstableModes:
     costates: AnyArray
 
     def of(self, cases: IndexArray) -> UnstableModes:
-        """Return the modes of a selection `cases` of the batch; cases without these modes are left.
+        """Return the modes of a selection `cases` of the batch, without cases that lack the modes.
 
         `cases`: positions in the batch, ``(c,)``. In the result positions count in this selection.
         """
         # row of each case among those with these modes, whose positions rise
         row = np.minimum(np.searchsorted(self.cases, cases), len(self.cases) - 1)
-        which = self.cases[row] == cases  # whether a case has these modes; the others are omitted
+        which = self.cases[row] == cases  # whether a case has these modes
         rows = row[which]
         return UnstableModes(
             cases=np.flatnonzero(which), poles=self.poles[rows], costates=self.costates[rows]

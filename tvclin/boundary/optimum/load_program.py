@@ -189,6 +189,7 @@ class LoadProgram:
         final_states, m = case.column(case.step_states)[unstable], unstable.size
         driven = _diagonal(start[..., np.newaxis]) @ first + _diagonal(end[..., np.newaxis]) @ last
         between = sparse.hstack([driven, _diagonal(of_end) + _diagonal(of_start, 1)])
+        # final state of each unstable mode, from which the last deflection, held, returns it
         final = sparse.hstack(
             [
                 sparse.csr_matrix(final_states[:, np.newaxis]) @ last[n - 1],

@@ -414,13 +414,13 @@ def _proved(
     proved = np.zeros(p.shape, dtype=bool)
     for span in spans:
         # e^(-p T), and e^(-s T) of the others
-        died, propagated = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
+        decay, propagated = np.exp(-span), np.exp(-others * (span / p)[:, np.newaxis])
         fits = np.ones(p.shape, dtype=bool)
         for sign in (-1.0, 1.0):
             # Ends of the interval of c, the constant deflection up to T, with the demand d of p:
             # c (1 - e^(-p T))/p = d +/- peak e^(-p T)/p. Up to T it does c (1 - e^(-s T))/s of the
             # other demands; the rest of them, over e^(-s T), is for a deflection from T on.
-            c = (p * np.real(demands[:, 0]) + sign * peak * died) / (1.0 - died)
+            c = (p * np.real(demands[:, 0]) + sign * peak * decay) / (1.0 - decay)
             with np.errstate(all="ignore"):  # what is no number is not proved
                 done = c[:, np.newaxis] * (1.0 - propagated) / others
                 rest = (demands[:, 1:] - done) / propagated

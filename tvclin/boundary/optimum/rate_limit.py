@@ -120,9 +120,9 @@ class RateProgram:
     def minimum_motion(self, peak: float) -> FloatArray | None:
         """Return the deflection of least total change within `peak`, at the k nodes, over `unit`.
 
-        `unit` is the unit [rad] of the program's values, and of `peak`. None if infeasible. A
-        program satisfies the conditions to 1e-7. So further programs, of the residual times
-        `_RESIDUAL_SCALE`, give corrections to add, times this factor, each within a smaller change.
+        `unit` is the unit [rad] of the program's values, and of `peak`. None if infeasible. The
+        program satisfies its conditions to 1e-7. So further programs give corrections, each within
+        a smaller change, for the residual; residual and correction are times `_RESIDUAL_SCALE`.
         """
         # the deflection of minimum peak where `peak` is below the minimum by rounding
         result = self._solve(_MOTION, peak) or self._solve(_PEAK)

@@ -626,8 +626,8 @@ def smooth_piece(history: History, start: float) -> Callable[[Any], Any]:
 
     A piece is a sum over the `rates` r [1/s] of a polynomial in u times e^(r u), u [s] being the
     time since its breakpoint; a plain polynomial has r = 0. The function is zero before the first
-    piece. `start`: the time, such as a breakpoint. It hides the next jump from the solver, and
-    takes half the time of ``history(t)``.
+    piece. `start`: the time, such as a breakpoint. The solver does not see the next jump in it, and
+    it takes half the time of ``history(t)``.
     """
     pieces = history.pieces
     k = int(np.searchsorted(pieces.knots, start, side="right")) - 1

@@ -533,7 +533,7 @@ def _largest(
         time=float(times[np.argmax(deflection)]),
         deflection_rate=float(sizes(DEFLECTION_RATE).max()) if has_rate else None,
         angle_of_attack=float(sizes(ANGLE_OF_ATTACK).max()),
-        _whole=responses.whole,  # computed only when the travel is read
+        _whole=responses.whole,  # a function: the whole flight is computed only for the travel
     )
 
 

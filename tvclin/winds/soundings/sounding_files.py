@@ -351,7 +351,7 @@ def _add_single(
             collection.count("files without a date, taken in their order as one a day")
         if time is None:
             collection.count(f"files with {_NO_TIME}", name)
-        elif sounding_filter.accepts(None, time):
+        elif sounding_filter.accepts(station=None, time=time):  # a file of a single station
             _add_entry(collection, entry, time, name, sounding_filter)
 
 
