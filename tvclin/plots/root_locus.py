@@ -384,10 +384,10 @@ def root_locus_chart(
     samples = sampled("root_locus_chart", autopilot, plant)
     locus = LocusPoles.of(samples.loop, samples.pade_order)
     (poles,) = locus.closed(np.ones(1))  # of the loop itself, at the factor one
-    radii = _radii(samples, poles)
+    radii = _radii(samples, poles)  # [1/s]: of the whole locus, and of the origin if that is denser
     factors = _default_factors(locus, samples, radii) if gains is None else _checked_factors(gains)
     branches = locus.branches(factors)
-    # panels of the whole locus, of the origin if it has a radius, and of the modes if there are any
+    # panels of these radii, and one of the modes if there are any
     count = len(radii) + bool(samples.modes)
     rows: Any = [[0, 0]] if count == 1 else [[0, 1], [2, 2]][: count - 1]
     size = (8.6, 7.4) if count == 1 else (10.4, 6.4 * len(rows))

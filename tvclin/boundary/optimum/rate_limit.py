@@ -193,10 +193,10 @@ class RateProgram:
 
         count = self.nodes.size - 1
         below, equal = self._rows(aim == _RATE)  # rows of inequalities <= 0, and of equations
-        # each condition is divided by the size of its row
+        # each condition is divided by the size of its row, the sum of its absolute moments
         demands = self.constraints.demands / self.sizes / self.unit
         right, upper = np.append(np.zeros(count), demands), np.zeros(below.shape[0])
-        # bounds of the changes, by the rate limit, and at most 1e6 units for numerical range
+        # bounds of the changes: `steps` of the rate limit, at most 1e6 units for numerical range
         steps = np.full(count, np.inf) if aim == _RATE else np.minimum(self.steps, 1e6)
         highest = np.concatenate([np.full(count, np.inf), steps, steps, [peak]])
         lowest = np.concatenate([np.full(count, -np.inf), np.zeros(2 * count + 1)])

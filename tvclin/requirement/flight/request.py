@@ -164,10 +164,9 @@ class FlightWinds:
         return encountered
 
     def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
-        """Return the wind angle of attack [rad] in a sounding over flight time, with the gust.
+        """Return the wind angle of attack [rad] in the sounding `name`, with the gust, over time.
 
-        It is in the plane of the case, or in both, with the dynamic pressure encountered unless the
-        case has the nominal one (`FROZEN`). `name`: name of the sounding, for messages.
+        In the plane of the case, or both; at the dynamic pressure encountered unless `FROZEN`.
         """
         with errors.naming(name):
             return fly_through(
@@ -493,8 +492,7 @@ class SizingRequest:
         errors.instance(
             "turbulence", turbulence, TurbulenceRequest, "of an intensity or a severity"
         )
-        # a pulse without a heading may be a head or a tail wind
-        signed = tuple(pulse.heading is None for pulse in self.pulses(case))
+        signed = tuple(pulse.heading is None for pulse in self.pulses(case))  # head or tail wind
         winds, times = self.winds(case), self.times(case)
         try:
             # the autopilot over the flight, where the request specifies one
