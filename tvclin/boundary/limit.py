@@ -326,10 +326,9 @@ def triangle_error(plant: Plant, wind: History, dead_band: ArrayLike = 1.0) -> A
 def leading_pole(plant: Plant) -> tuple[FloatArray, BoolArray]:
     """Return the growth rate [1/s] of a plant's leading pole, and whether a pair of poles counts.
 
-    `rate`: ``(...)``, NaN where no mode is unstable. `paired`: ``(...)``, true where a complex pair
-    grows comparably with the fastest real pole, or two real poles coincide, so that one limit
-    cannot satisfy the report's condition (4b) for both. Comparable is a rate above `COMPARABLE`
-    times the real one.
+    Both are ``(...)``. The rate is NaN where no mode is unstable. A pair counts where a complex
+    pair grows faster than `COMPARABLE` times the fastest real pole, or two real poles coincide: one
+    limit cannot satisfy the report's condition (4b) for both.
     """
     poles = unstable_poles(plant)
     if not poles.shape[-1]:

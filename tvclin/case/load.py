@@ -130,7 +130,7 @@ class LoadBound:
         """Return the trade-off curve of limit over load in the wind of a case.
 
         The load is the angle alpha + (M_delta/M_alpha) delta [rad], with the slopes of the bending
-        moment; another bound is on alpha alone.
+        moment; for a bound of the angle of attack or of q alpha it is alpha.
 
         Parameters
         ----------

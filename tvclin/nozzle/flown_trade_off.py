@@ -112,7 +112,8 @@ class FlownTradeOff(Shown):
         """Notes on the flights of the table.
 
         `cuts`: number of sudden ends of the wind at which a law is flown as well. `survives`:
-        whether each law does with the nozzle, None if not known.
+        whether each law does with the nozzle, None if not known. `monotone`: whether every limit
+        tried below a boundary is lost.
         """
         stops = f"{self.cuts} sudden stops of it" if self.cuts > 1 else _STOP_WORDS[self.cuts]
         yield (

@@ -125,11 +125,11 @@ def _initial_phase_to_axis(
 ) -> FloatArray:
     """Return the lag of a delay [rad] at which poles at the axis first cross it, 0 or 2 pi.
 
-    A pole that starts in the half plane to which the delay moves it crosses after a full turn of
-    the lag, a pole of the other half plane at once. A pole on the axis counts as left. `poles`:
-    closed-loop poles without the delay, ``(..., n)`` [1/s]. `tolerance`: distance from the axis
-    that is zero, ``(..., 1)``. `omega`, `to_right`: gain crossovers [rad/s], ``(..., k)``, as the
-    result, and whether poles cross to the right there.
+    As the delay grows, a pole crosses in one direction each time that the lag, omega times delay,
+    has grown by 2 pi: the first time at once if it starts on the other side, else after a turn. A
+    pole on the axis counts as left. `poles`: closed-loop poles without the delay [1/s], ``(...,
+    n)``. `tolerance`: distance from the axis that is zero, ``(..., 1)``. `omega`, `to_right`: gain
+    crossovers [rad/s], and whether poles cross to the right there, ``(..., k)`` as the result.
     """
     distance = np.abs(poles[..., np.newaxis, :] - 1j * omega[..., np.newaxis])
     # the closed-loop pole nearest to j omega, of each crossover

@@ -320,7 +320,8 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
             "a limit of both planes needs a wind with a direction: give where it blows from,"
             " direction_deg in [wind], and the direction of flight, azimuth_deg"
         )
-    plant, history = Plant.from_vehicle(case.vehicle, case.model, case.plane), in_plane.history({})
+    plant = Plant.from_vehicle(case.vehicle, case.model, case.plane)
+    history = in_plane.history({})  # nothing is dispersed
     required = required_deflection(plant, history, K)
     if beyond_linear(float((planes or history).peak)):  # nothing is known: NaN
         unknown = dict.fromkeys(required.needs, np.nan)

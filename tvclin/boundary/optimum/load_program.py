@@ -98,9 +98,9 @@ class LoadProgram:
         # bounds of the variables: deflections, states of the modes at the nodes, and the minimised
         if aim == LOAD:
             free[: self._variables] = bound / self._unit
-        else:  # in cells too long for bounds at nodes alone the equilibrium load is bounded too
-            wide, fraction = self._static_bounds
-            free[wide] = fraction * bound / self._unit
+        else:  # the load could oscillate in wide cells, so that deflections are bounded there too
+            in_wide_cells, fraction = self._static_bounds
+            free[in_wide_cells] = fraction * bound / self._unit
         bounds, cost = np.column_stack([-free, free]), np.append(np.zeros(free.size - 1), 1.0)
         for method in ("highs-ds", "highs-ipm"):
             # with presolve two modes far apart end "unknown"

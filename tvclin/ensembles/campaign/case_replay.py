@@ -166,7 +166,8 @@ class Replay:
         """Largest angles in `response` [deg], and its end [s], by name; empty without a response.
 
         The response has the limit of the campaign where the case requires more, and else the
-        required one. With two planes the names begin with the plane.
+        required one (`capability`: its ratio to that). With two planes the names begin with the
+        plane.
         """
         return self._extremes(
             lambda plane: self.response(self.capability, plane=plane),

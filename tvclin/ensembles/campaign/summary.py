@@ -301,10 +301,10 @@ class CampaignSummary(Shown):
         return _angle(name, angle)
 
     def _bound(self, name: str, angle: float) -> Line:
-        """Return the text of a bound of a quantile, `angle` [rad], or why it is infinite.
+        """Return the text of a bound `angle` [rad] of the output's quantile, or why it is infinite.
 
-        `name`: of the number. Any bound is infinite if unknown or with too few cases; lost flights
-        make an upper one infinite, not a lower one.
+        `name`: of the number, for JSON. Any bound is infinite if unknown or with too few cases;
+        lost flights make an upper one infinite, not a lower one.
         """
         if not np.isinf(angle):
             return _angle(name, angle)

@@ -252,7 +252,7 @@ class Batch:
         among these. It is used to omit cases that are not possible.
         """
         shape, where = self.vehicles, np.flatnonzero(mask)
-        # `fleet`, `winds`: indices of the vehicles and winds that are kept
+        # indices of the vehicles and winds of these flights
         (fleet, vehicle), (winds, encountered) = (
             np.unique(a[where], return_inverse=True) for a in self.indices
         )
@@ -417,7 +417,8 @@ class Timing(NamedTuple):
 
         `joint`, `fine`: matrices J from states, command and wind to the next states, over the parts
         of a sample and over their substeps. `ramp`: response to a linear deflection in a substep.
-        With them go `quick`, bandwidth times substep of a first-order nozzle, and the lengths [s].
+        With them go `quick`, bandwidth times substep of a first-order nozzle, the lengths [s], and
+        `late`, the whole samples of a delay.
         """
         lengths, substeps, bandwidth, late = self
         quick = np.where(self.short > 0.0, bandwidth * self.short, 0.0)

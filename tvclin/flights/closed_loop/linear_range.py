@@ -113,7 +113,7 @@ def _remains_linear(
     modes, z = modes[:, remaining], z[remaining]
     parts = modes * np.linalg.lstsq(modes, state.astype(complex))[0]  # of the state, by mode
     amplitudes = np.abs(parts).sum(axis=1)
-    error = np.abs(state - parts.sum(axis=1))
+    error = np.abs(state - parts.sum(axis=1))  # of the state by these modes alone
     if np.any(error > _RELATIVE_TOLERANCE * amplitudes + _DECAYED * np.abs(state).max()):
         return False
     n, h = f.vehicles.A.shape[1], f.steps.lengths[f.cases.vehicle[i], 0]  # deflection; sample [s]
