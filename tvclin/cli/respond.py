@@ -242,7 +242,10 @@ def respond(
 
 
 def _curves(trim: BoundedTrim, times: FloatArray) -> "Curves":
-    """Return the curves of a case's response to wind and deflection, `trim`, at `times` [s]."""
+    """Return the curves of the response of a plant to wind and deflection at `times` [s].
+
+    `trim`: the plant, its wind, the deflection within its limit, and their description.
+    """
     from tvclin.plots import response_curves
 
     deflection, wind = trim.deflection, trim.wind

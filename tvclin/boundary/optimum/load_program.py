@@ -303,26 +303,27 @@ class LoadProgram:
         """Return the variables [rad] after the smallest change that satisfies the conditions.
 
         `u`: deflections at ends of cells or in them [rad], as the program has them to its
-        tolerance. The condition of each unstable mode s, scaled by its size |s|, is that the
-        integral of e^(-s t) eta dt from the first node on is zero, eta being the deflection minus
-        the reference. The least-squares solution of smallest size is added.
+        tolerance. The condition of each unstable mode s, times its size |s|, is that the integral
+        of e^(-s t) eta dt from the first node on is zero, eta being the deflection minus the
+        reference. The least-squares solution of smallest size is added.
         """
         case = self.case
-        first, last = self._levels  # matrices from `u` to the deflection at start and end of cells
-        _, near, far = convolution_weights(case.rates, self.widths[:, np.newaxis])
+        at_start, at_end = self._levels  # matrices from `u` to the deflection at both ends of cells
+        _, *ends = convolution_weights(case.rates, self.widths[:, np.newaxis])
         decayed = np.exp(
             -np.where(case.unstable, case.rates, 0.0) * (self.nodes - self.nodes[0])[:, np.newaxis]
         )
-        start, stop = (decayed[:-1] * weight * case.sizes for weight in (near, far))
+        # factors of the deflection at start and end of each cell in each condition
+        of_start, of_end = (decayed[:-1] * weights * case.sizes for weights in ends)
         # |s|/s times the last value, which stays constant: the integral behind the last node
-        stop[-1] += decayed[-1] * case.step_states
+        of_end[-1] += decayed[-1] * case.step_states
         # `column` splits values of modes in real, and for pairs imaginary parts: 1 + j marks both
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
-        start, stop = (case.column(row)[:, unstable].T for row in (start, stop))
-        # rows @ u is the integral of the deflection, by real condition; sizes scale the conditions
-        rows, sizes = start @ first + stop @ last, np.abs(start).sum(axis=1) + 1e-300
-        lacking = ((start + stop) @ self.reference - rows @ u) / sizes
-        return u + np.linalg.lstsq(rows / sizes[:, np.newaxis], lacking, rcond=None)[0]
+        of_start, of_end = (case.column(x)[:, unstable].T for x in (of_start, of_end))
+        # rows @ u is the integral of the deflection, by real condition; scales normalise them
+        rows, scales = of_start @ at_start + of_end @ at_end, np.abs(of_start).sum(axis=1) + 1e-300
+        lacking = ((of_start + of_end) @ self.reference - rows @ u) / scales
+        return u + np.linalg.lstsq(rows / scales[:, np.newaxis], lacking, rcond=None)[0]
 
     def _proof(
         self, weights: FloatArray, prices: FloatArray, rate_prices: FloatArray | None

@@ -196,13 +196,13 @@ class Judge:
         counts as zero. A sounding is flown where the limit is `between` its bounds, which differ
         where wind is unknown or trim reaches a limit more than once; or `below` the lower one but
         not below `bounds.lowest`, with which a flight may survive. If it survives, the limit is its
-        upper bound, and if `below` also the lower one. If it is lost `between` in a known wind,
-        both bounds become its requirement by further flights.
+        upper bound, and if `below` also the lower one. If it is lost and `between`, and its wind is
+        known, both bounds become its requirement by further flights.
         """
         limit = np.maximum(limits, 0.0)[:, np.newaxis]
         lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
         with np.errstate(invalid="ignore"):  # NaN where nothing can be said
-            between = (lower <= limit) & (limit < upper)
+            between = (lower <= limit) & (limit < upper)  # (a, n): n soundings
             below = bounds.wind_known & (bounds.lowest <= limit) & (limit < lower)
         survive, flown = np.zeros(lower.shape, dtype=bool), between | below  # (a, n) each
         index = np.flatnonzero(np.any(flown, axis=0))

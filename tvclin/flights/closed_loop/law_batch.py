@@ -197,15 +197,16 @@ def memory_of(system: LinearSystem, chains: Chains, lengths: FloatArray, size: i
 
     `system`: the law in state space. `chains`: filters of attitude, rate and demand. `lengths`:
     lengths of the steps [s], ``(m,)``. Columns are the states x, the `MEASURED` sensor outputs and
-    the demand. Rows give the next states, of the law and then of each chain, then the law's
-    `MEASURED` inputs behind the filters, of which a controller's output takes the first place, and
-    last the filtered demand.
+    the demand. Rows give `states`, the next ones, of the law and then of each chain; `inputs`, the
+    law's `MEASURED` inputs behind the filters, of which a controller's output takes the first
+    place; and `demand`, the filtered one.
     """
     attitude_and_rate = SENSED[:2]  # the sensor outputs that have filters
     chain_of = dict(zip(CHAINS, chains, strict=True))
     blocks = law_blocks(chain_of, system, attitude_and_rate, lengths)
-    first = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]
-    law = connect(blocks, (*SENSED, LAW_OUTPUT), (first, *LAW_INPUTS[1:], RETURNED))
+    first_input = CONTROLLER if CONTROLLER in system.outputs else LAW_INPUTS[0]
+    # from sensor outputs and demand (`LAW_OUTPUT`) to filtered inputs and demand (`RETURNED`)
+    law = connect(blocks, (*SENSED, LAW_OUTPUT), (first_input, *LAW_INPUTS[1:], RETURNED))
     n, wide = len(law.states), size + MEASURED + 1
     columns = [*range(n), *range(size, wide)]  # of the states without the padding, and the inputs
     rows = np.zeros((lengths.size, wide, wide))

@@ -16,7 +16,7 @@ _SETTINGS = {
     "LabApp.extra_labextensions_path": str(Path(__file__).with_name("labextensions")),
     "ServerApp.answer_yes": "True",  # one Ctrl-C ends it
 }
-_WATCHED = {
+_ENDS_WITH_PAGE = {
     "MappingKernelManager.cull_idle_timeout": "60",  # a kernel that no page looks at
     "MappingKernelManager.cull_interval": "20",
     "ServerApp.shutdown_no_activity_timeout": "60",  # then the server
@@ -62,9 +62,10 @@ def open_notebook(path: Path, options: Sequence[str]) -> None:
     """
     from jupyterlab.labapp import LabApp
 
-    os.environ[_SERVER] = str(os.getpid())
+    os.environ[_SERVER] = str(os.getpid())  # the process that the notebook's `end` ends
     settings = _SETTINGS | {"LabApp.default_url": f"/lab/tree/{quote(path.name)}"}
-    settings |= {} if "--no-browser" in options else _WATCHED
+    # with a browser the server ends by itself, minutes after its page is closed
+    settings |= {} if "--no-browser" in options else _ENDS_WITH_PAGE
     options_of_settings = [
         f"--{name}={value}"
         for name, value in settings.items()
