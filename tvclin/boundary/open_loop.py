@@ -95,23 +95,23 @@ def _iterated(
 ) -> FloatArray:
     """Return the largest limits L that diverge after trim, ``(n,)``, by L <- max(K L, m(L)).
 
-    m(L) is the minimum peak after trim up to K L; no limit between both sides diverges. `after`:
-    the problem. `cases`: n indices in it. `lower`: other requirements, below which no limit counts.
-    `highest`: starts, which do not diverge. Limits are normalised by static trim.
+    m(L) is the minimum peak after trim up to K L; no limit between both sides of a step diverges.
+    `after`: the problem. `cases`: n indices in it. `lower`: other requirements, below which no
+    limit counts. `highest`: starts, which do not diverge. Limits are normalised by static trim.
     """
     limit, K = np.array(highest), after.dead_band[cases]
     active = np.arange(cases.size)
     for _ in range(_MAX_STEPS):
         if not active.size:
             break
-        above, floor = limit[active], lower[active]
-        lowest = np.maximum(floor, K[active] * above)
+        L, floor = limit[active], lower[active]
+        lowest = np.maximum(floor, K[active] * L)
         # `peaks`: m(L), or `lowest` where m(L) is proved to be no more
-        below = np.minimum(np.maximum(lowest, after.peaks(cases[active], above, lowest)), above)
-        limit[active] = below
-        done = above - below <= _RELATIVE_STEP * above
+        next_L = np.minimum(np.maximum(lowest, after.peaks(cases[active], L, lowest)), L)
+        limit[active] = next_L
+        done = L - next_L <= _RELATIVE_STEP * L
         # a limit close to `lower` is not approached in small steps: it is `lower` if that survives
-        close = np.flatnonzero(~done & (below <= floor * (1.0 + _RELATIVE_RANGE)))
+        close = np.flatnonzero(~done & (next_L <= floor * (1.0 + _RELATIVE_RANGE)))
         level = floor[close]
         survives = after.peaks(cases[active[close]], level, level) <= level * (
             1.0 + _RELATIVE_ROUNDING

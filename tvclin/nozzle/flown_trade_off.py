@@ -213,7 +213,7 @@ def flown_trade_offs(
         """Return the flown trade-off of all laws, `names`, in a case.
 
         `minimum`: lower bounds of theory, whose `rates` [rad/s] are flown. A boundary is monotone
-        if every limit flown above it survives. `cuts`: number of sudden ends of the wind.
+        if every limit flown below it is lost. `cuts`: number of sudden ends of the wind.
         """
         boundaries = {name: [flown(case, name, float(r)) for r in minimum.rates] for name in names}
         return FlownTradeOff(

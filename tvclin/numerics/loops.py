@@ -466,6 +466,7 @@ class StateLoop:
                 for part in (slice(half), slice(half, None))
             ]
             return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
+        # `case`: index of the matrices of each loop, of which several loops may have the same
         A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
         poles = self.poles[self.case]
         at_pole = np.any(s[..., np.newaxis] == poles[:, np.newaxis], axis=-1)
