@@ -160,8 +160,9 @@ class LoadTradeOff(TradeOff):
     def above_lower_bound(self) -> bool | None:
         """Whether the limit is on the trade-off with the wind known, or above.
 
-        The trade-off lies between a proved bound and `lower_bound`, of a computed control: None for
-        a limit between both, and without a limit unless no limit is sufficient.
+        The trade-off lies between `_proved`, a bound of every control, and `lower_bound`, the peak
+        of a computed one: None for a limit between both, and without a limit unless no limit is
+        sufficient.
         """
         if self.beyond_linear:
             return None

@@ -83,12 +83,12 @@ def encountered_requirements_by_time(
         """Return the required deflections [rad] with the middle of the gust at times [s], ``(n,)``.
 
         They are the largest of the `directions`, computed in longer steps (`_PARTS`), without
-        flights; infinite where a wind turns the path further than linear aerodynamics reach.
+        flights; infinite where the angle of a wind is beyond linear aerodynamics.
         """
         by_direction = []
         for direction in directions:
             gusty = encountered_wind(wind, vehicle, plane, direction, values={"gust_at": times})
-            linear = gusty.largest_angle <= MAX_LINEAR_ANGLE  # not where there is none: NaN
+            linear = gusty.largest_angle <= MAX_LINEAR_ANGLE  # NaN where no wind has the angle
             if not np.all(linear):
                 by_direction.append(np.where(linear, 0.0, np.inf))
                 continue

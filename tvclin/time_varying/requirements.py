@@ -436,7 +436,7 @@ def _required_by_flights(
         times, wind, ratio = with_calm_after(equations, wind_times, *wind_and_ratio)
         flights = SteppedWinds(motion.at_steps(times), times, wind, ratio)
         low, high = np.maximum(lowest, minimum), trim_and_demand.highest_limit
-        for factor in _HIGHER_LIMITS:  # the next one where no limit up to here is sufficient
+        for factor in _HIGHER_LIMITS:  # up to higher limits, where none so far is sufficient
             required[which] = flights.select(which).requirement(low[which], factor * high[which])
             which = which[np.isinf(required[which]) & (changes | paired)[which]]
         stable = equations.nominal[:, -1, -1, 1, 0] < 0.0  # mu_alpha at the end of the last step

@@ -474,9 +474,9 @@ class LineWinds:
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
         position = (knots - ends[0]) / length  # in steps
         onset = np.clip(position[:, 0], 0.0, np.nextafter(float(steps), 0.0))
-        # The straight line of each wind on which each end of a step lies: as many knots, less one,
-        # are not after this end. `next_end`: index of the first end not before each knot, as for
-        # all winds in one row, each with S + 2 places.
+        # `line`: index of the straight line of each wind on which each end of a step lies, the
+        # number of knots not after this end, less one. To count the knots of all winds at once,
+        # `next_end` is the index of the first end not before a knot, winds S + 2 places apart.
         next_end = np.clip(np.ceil(position), 0, steps + 1).astype(np.int64)
         next_end += (steps + 2) * np.arange(n)[:, np.newaxis]
         begun = np.bincount(next_end.ravel(), minlength=n * (steps + 2)).reshape(n, steps + 2)

@@ -256,6 +256,7 @@ class CampaignSummary(Shown):
         of_cases, of_flights = shares(self.required.probability, self.required.confidence)
         done = f"{results.cases} of {results.campaign.cases}"
         rows: list[Row] = [("cases", (done if results.complete else f"{done}, unfinished",))]
+        # the status of cases up to a semicolon, behind which it is explained
         rows += [(f"  {k.split(';')[0]}", (str(count),)) for k, count in results.statuses().items()]
         if results.nominal:
             rows.append(("nominal", self._angle("nominal", results.nominal[self.output])))

@@ -62,8 +62,9 @@ def finish_by_modes(f: Flights, batch: Batch) -> None:
 def _has_linear_law(f: Flights, batch: Batch) -> BoolArray:
     """Return whether the law of each of m flights is linear below its limit, ``(m,)``.
 
-    It is without noise, without a switch below the limit, and no recoverable-attitude law; laws in
-    Python are not known to be linear. `f`: arrays of the flights. `batch`: the flights.
+    It is without noise, without a switch (`engage`) below the limit, and no recoverable-attitude
+    law (`leans`); laws in Python, without numbers, are not known to be linear. `f`: arrays of the
+    flights. `batch`: the flights.
     """
     linear = [
         numbers is not None and not numbers.leans and numbers.engage >= 1.0 and not noise
