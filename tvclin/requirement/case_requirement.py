@@ -213,8 +213,8 @@ class CaseRequirement:
     def required_at(self, size: float) -> float:
         """Return the required deflection [rad] in `size` times this wind, in its worse direction.
 
-        Infinite for a wind that turns the path so far that it has no dynamic pressure. `InputError`
-        for a size that is not between 1e-9 and 1e9.
+        Infinite for an angle that no horizontal wind has, so that its dynamic pressure is unknown.
+        `InputError` for a size that is not between 1e-9 and 1e9.
         """
         within("size", number("size", size, positive), 1e-9, 1e9)
         if self.at_nominal_pressure:

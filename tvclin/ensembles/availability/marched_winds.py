@@ -221,12 +221,11 @@ class PlaneMarch:
         angle = sign * self.path.nominal_angle(winds.speeds[self.plane], times, self.plane)
         calm, largest = np.max(angle, axis=1) <= 0.0, np.argmax(angle, axis=1)
         _, equations = self._steps
-        # of [A b w] at begin, middle and end of each step: its row of the angular acceleration (1)
-        middle = 1
-        acceleration = equations.nominal[0, :, middle, 1]
-        # -w/b is the trim deflection per wind angle, -B, of which the sign counts
-        trim_per_wind = -np.sum(acceleration[:, -1] / acceleration[:, -2])
-        trim_sign = float(np.sign(trim_per_wind)) * sign
+        middle, attitude_rate = 1, 1  # of begin, middle and end; row of [A b w]
+        acceleration = equations.nominal[0, :, middle, attitude_rate]
+        # trim per wind angle, -w/b, in each step; its sign is that of the sum
+        trim_per_wind = -acceleration[:, -1] / acceleration[:, -2]
+        trim_sign = float(np.sign(trim_per_wind.sum())) * sign
         _limit, limit_time = self._limit(self.stepped(winds).curves(), trim_sign)
         speed = partial(self._gust_speed, sign, additions, calm)
         return [
