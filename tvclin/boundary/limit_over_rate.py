@@ -580,10 +580,11 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
         minimum = deflection(float(np.exp(exponent)) * lowest)
         return 1.0 / minimum - 1.0 / limit
 
-    if excess(_NEGLIGIBLE) >= 0.0:
+    # exponents: just above the lowest rate, and at the largest
+    first, last = _NEGLIGIBLE, np.log(_MAX_RATE_RATIO)
+    if excess(first) >= 0.0:
         return lowest
-    zero = brentq(excess, _NEGLIGIBLE, np.log(_MAX_RATE_RATIO), xtol=_RELATIVE_TOLERANCE)
-    return lowest * float(np.exp(zero))
+    return lowest * float(np.exp(brentq(excess, first, last, xtol=_RELATIVE_TOLERANCE)))
 
 
 def _case_of(plant: Plant, wind: History, acceleration: float, forecast: bool) -> _Case:

@@ -135,7 +135,7 @@ def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) ->
     if autopilot.sample_rate is not None:
         note_below("the margins in the box are of the continuous autopilot")
     worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
-    # the criteria of the case; of modes there are none to judge
+    # the vehicle in the box has no modes: their limits are omitted, unless there are no others
     return BoxResult(worst, case.margin_criteria.without_mode_limits or case.margin_criteria)
 
 

@@ -391,15 +391,16 @@ class _Conditions:
             nozzle=nozzle.data,
             vehicle=vehicle if nozzle.data else None,
         )
-        duty, noise_rate = duty_in(motion), np.zeros(2)
+        duty, noise_rate = duty_in(motion), np.zeros(2)  # travel and energy per second
         if request.rate_noise:  # noise alone moves the nozzle some time after the wind
             begin, end = (float(wind.end) + t / pole for t in (_NOISE_START, _NOISE_END))
             noisy = complete.between(begin, end)
             if noisy is not None:
                 duration = float(noisy.times[-1] - noisy.times[0])
                 noise_rate = _spent(duty_in(noisy)) / duration
+        # of a pulse the noise is subtracted, as it counts over the whole flight; an interval of a
+        # measured wind keeps its own
         span = float(motion.times[-1] - motion.times[0]) if interval is None else 0.0
-        # Travel and energy of the noise count apart, over the flight; those of a pulse keep theirs.
         without_noise = _spent(duty) - noise_rate * span
         return replace(
             point,

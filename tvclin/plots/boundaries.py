@@ -564,9 +564,10 @@ def _at(x: FloatArray, points: FloatArray, values: Sequence[float]) -> FloatArra
 
 
 def _styles(engine: str) -> dict[str, Style]:
-    """Return the line styles of theory and of the flights of an engine, by label.
+    """Return the line styles of theory and of flights by label.
 
-    Equations are lines; flights are marks alone, those with varying parameters last.
+    `engine`: how flights are simulated, a name in `ENGINES`. Equations are lines; flights are marks
+    alone, last those along the trajectory (`ALONG`), with varying parameters.
     """
     styles: dict[str, Style] = {
         _EQUATION_12: {"color": "0.45", "ls": LINES[1], "lw": 1.6},

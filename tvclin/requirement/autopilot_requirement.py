@@ -110,10 +110,10 @@ def _measured_boundary(case: Case, autopilot: Autopilot) -> tuple[ClosedLoopBoun
     from tvclin.requirement.encountered_requirement import largest_measured_pressure  # late
 
     with suppress(InputError):  # the dynamic pressure in the wind is not known
-        ratio = largest_measured_pressure(case)
+        ratio = largest_measured_pressure(case)  # over the nominal pressure
         if ratio <= 1.0:
             return None, False
-        denser = replace(case, vehicle=at_pressure(_complete(case), ratio))
+        denser = replace(case, vehicle=at_pressure(_complete_vehicle(case), ratio))
         return autopilot_boundary(denser, denser.plant, autopilot), True
     return None, True
 
@@ -163,20 +163,20 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     """
     from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
 
-    complete = _complete(case)  # the vehicle, checked to have what another pressure needs
+    vehicle = _complete_vehicle(case)
     if need.unknown:  # a text with the reason
         raise InputError(need.unknown)
     in_plane = case.wind_in_plane
     assert isinstance(in_plane, ShapedWind)
     wind = replace(need.placed, gust_at=in_plane.gust_at)
-    ratio = largest_pressure(wind, complete.rigid, need.plane, need.direction, size)
-    return replace(case, vehicle=at_pressure(complete, ratio))
+    ratio = largest_pressure(wind, vehicle.rigid, need.plane, need.direction, size)
+    return replace(case, vehicle=at_pressure(vehicle, ratio))
 
 
-def _complete(case: Case) -> Vehicle:
-    """Return the vehicle of a case, complete, to be taken at another dynamic pressure.
+def _complete_vehicle(case: Case) -> Vehicle:
+    """Return the vehicle of a case, with all forces, to be taken at another dynamic pressure.
 
-    `InputError` for a plant in state space, which is known at the nominal one alone.
+    `InputError` for a vehicle of coefficients or a plant in state space, known at the nominal one.
     """
     if case.plant_system is not None:
         raise InputError("a plant in state space is known at nominal dynamic pressure alone")

@@ -159,7 +159,7 @@ class Findings:
         limit = study.limit
         if stop is None or limit is None:
             return np.nan
-        limit /= study.plane_ratio  # of this plane
+        limit /= study.plane_ratio  # from the limit of both planes to that of the study's plane
         in_head_wind = None if self.head is None else self.head.stop
         required = abs(float((in_head_wind or stop).deflection))
         if in_head_wind is None or not np.isfinite(required):
@@ -551,7 +551,7 @@ def _rates(plan: StudyPlan, study: Study, limit: float) -> RateTradeOff:
     """
     from tvclin.boundary.limit_over_rate import rate_trade_off
 
-    limit /= study.plane_ratio  # of this plane
+    limit /= study.plane_ratio  # from the limit of both planes to that of the study's plane
     rate = plan.nozzle.rate_limit
     forecast = plan.dead_band < 1.0  # a dead band K = 1 needs no forecast of the wind
     plant, wind = plan.plant.rigid, study.history

@@ -290,13 +290,13 @@ class LoadWeights:
     def _after(self) -> ComplexArray:
         """Weights of the load from each of n + 1 nodes on, decayed to it, by mode ``(n + 1, k)``.
 
-        Stable modes use them. Each is the share of the mode times the weights of cells (their
-        `density_ends`) and of nodes. `_decayed_weights` goes forward in time, so that nodes and
-        cells are given in reversed order, and the result is reversed again.
+        Stable modes use them. Each is the mode's coefficient in the load, of `shares`, times the
+        weights of cells (their `density_ends`) and of nodes. `_decayed_weights` goes forward in
+        time: nodes and cells are reversed, from the last node on, and so is the result.
         """
         (start, end), nodes = self.density_ends[:, ::-1], self.node_weights[::-1]
-        first = self.case.shares * nodes[0]
-        return self._decayed_weights(first, start, end, nodes[1:], self.widths[::-1])[::-1]
+        at_last_node = self.case.shares * nodes[0]
+        return self._decayed_weights(at_last_node, start, end, nodes[1:], self.widths[::-1])[::-1]
 
     def _decayed_weights(
         self,

@@ -318,7 +318,7 @@ def _rule_numbers(design: AutopilotDesign) -> tuple[str, dict[str, float]]:
     default = "poles" if has_poles else "canonical"
     rule = errors.one_of("design", design.design or default, DESIGNS)
     for name in numbers:
-        if _RULE_OF_NUMBER.get(name, rule) != rule:
+        if _RULE_OF_NUMBER.get(name, rule) != rule:  # a number of one rule alone
             raise errors.InputError(
                 f"{name} is of gains by design {_RULE_OF_NUMBER[name]}; got design {rule}"
             )
@@ -327,7 +327,7 @@ def _rule_numbers(design: AutopilotDesign) -> tuple[str, dict[str, float]]:
             raise errors.InputError(f"{name} follows from design {rule}; leave it out")
     if rule in _RULES_WITHOUT_POLES and has_poles:
         raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
-    for name in _PLACED_PAIRS.get(rule, ()):
+    for name in _PLACED_PAIRS.get(rule, ()):  # numbers of the pole pairs that the rule places
         if name not in numbers and name in _FREQUENCIES:
             raise errors.InputError(f"design {rule} needs {name}, in rad/s")
         numbers.setdefault(name, _DEFAULT_DAMPING)

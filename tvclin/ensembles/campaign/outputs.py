@@ -299,7 +299,8 @@ def _wind_unknown(campaign: Campaign, span: tuple[float, float], batch: Batch) -
     if not isinstance(campaign.wind, SoundingEnsemble):
         return False
     unknown = [bool(unknown_between(wind, *span)) for wind in campaign.wind.soundings]
-    return np.array(unknown)[np.asarray(batch.values.get("wind", 0), dtype=int)]
+    index = batch.values.get("wind", 0)  # of the sounding of each case; one sounding if not drawn
+    return np.array(unknown)[np.asarray(index, dtype=int)]
 
 
 def limits_along(campaign: Campaign) -> tuple[float, float]:

@@ -206,10 +206,10 @@ class CampaignResults(Tabled):
         if limit is None:
             return None
         limit = number("limit", limit, small_angle("a deflection"), "rad")
-        answers = self.answers(output)
+        required = self.answers(output)  # [rad], of the cases in which it is known
         _, confidence = self._level(probability=None, confidence=confidence)
         return statistics.success_probability(
-            int(np.sum(answers <= limit)), answers.size, confidence
+            int(np.sum(required <= limit)), required.size, confidence
         )
 
     def survival(self, confidence: float | None = None) -> statistics.Success | None:

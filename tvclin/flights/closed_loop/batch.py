@@ -569,7 +569,8 @@ def _noise(laws: LawBatch, samples: FloatArray) -> tuple[FloatArray, IntArray]:
     sequence = np.array(rows_of_laws, dtype=np.int64)[laws.which]
     if not any(level for level, _ in sources):
         return np.zeros((1, 0)), sequence
-    count = int(samples.max()) + 2 * kernel.JUDGED_SAMPLES  # a reserve of two judgements
+    # a reserve of two judgements of the outcome, which is judged every `JUDGED_SAMPLES`
+    count = int(samples.max()) + 2 * kernel.JUDGED_SAMPLES
     rows = [
         np.random.default_rng([seed, 0]).normal(0.0, level, count) if level else np.zeros(count)
         for level, seed in sources

@@ -247,7 +247,8 @@ class DeflectionTotal(Shown):
 def total_table(total: DeflectionTotal) -> Table:
     """Return the table of the contributions [deg], the total, and the budget if there is a reserve.
 
-    The row of the wind is labelled with the requirement that counts for it, `total.counted`. The
+    The row of the wind is labelled with the requirement that counts for it, `total.counted`, and
+    the total without the rate limit where no deflection is sufficient with it (`no_ramp`). The
     caption says at which flight time, "of those that are known" where others are `not_sized`.
     """
     wind = f"wind, {total.counted}" if total.counted else "wind"
