@@ -181,7 +181,7 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
             numbers = _RIGID_NUMBERS[question]
             sentence = f"{numbers} are of the vehicle, without the plant in its file"
             yield f"{sentence} (tvclin margins has it)"
-    # a structure and flights of laws need a model other than some that a case may have
+    # "drift" has no structure, and laws measure no speed: another model takes its place
     flown = case.law_model if "fly --law all" in questions else case.loop_model
     if flown != case.model and not any(map(is_rigid_only, questions)):
         drift = case.model == "drift"
@@ -193,9 +193,9 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
         for feature in (*_REFUSED.get(question, ()), *_OMITTED_BY_OPTIONS.get(question, ()))
     }
     named = _specified_features(case, omitted, tables)
-    # the study is of a wind of one shape; a sounding is answered along its flight
     sizing = getattr(case, "sizing", None)  # of a flight, with its soundings
     measured = not isinstance(case.wind, ShapedWind) or bool(sizing and sizing.soundings)
+    # questions that compute the features in such a wind
     candidates = _OF_SOUNDINGS if measured else _OF_PULSES
     counting: dict[str, list[str]] = {}  # omitted features, by a question that computes them
     for feature in named:

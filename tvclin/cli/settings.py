@@ -203,11 +203,11 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
 
 
 def keys_of_arguments(options: Iterable[Any], values: Mapping[str, Any]) -> dict[str, str]:
-    """Return the keys of arguments in the study file, as messages name them, by argument.
+    """Return the keys of a study file that may give each argument, as messages name them.
 
-    They are those of the tables that --set changes, "--set autopilot.damping", and of the tables of
-    the file, "autopilot.damping", of which no option is given. Where several give an argument of
-    one name, the first that is set counts, or else the first. `options`: parameters of a command.
+    The argument "damping" has the key "--set autopilot.damping" if --set changes [autopilot], else
+    "autopilot.damping" if the file has [autopilot] and no option of it is given. Of several such
+    keys the first that is set counts, or else the first. `options`: parameters of a command.
     `values`: their values, by parameter.
     """
     from tvclin.studyfile.keys import all_keys

@@ -402,7 +402,8 @@ class _Flights:
             else:
                 plant = plant.with_effectiveness(by)
             status = fly_many(plant, self.law, wind, **options).status
-            if not self.plant.has_modes:  # rings only in the linear range, known exactly
+            # a rigid vehicle rings where its linear loop is unstable, which the linear margin says
+            if not self.plant.has_modes:
                 status = np.where(status == RINGS, SURVIVED, status)
             return status
 
