@@ -300,7 +300,8 @@ class LoadLimits:
             wind, knots = self.case.wind, self.case.wind.knots
             jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
             jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
-        if not self._requires_programs:  # M, a rate limit or several unstable modes would
+        # programs are required with M, with a rate limit, and with several unstable modes
+        if not self._requires_programs:
             return jumped if jumped > _NEGLIGIBLE_LOAD * self.load_of_minimum else 0.0
         _, proved = self._minimum_load
         return max(jumped, proved)

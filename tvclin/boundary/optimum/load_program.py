@@ -205,12 +205,12 @@ class LoadProgram:
 
     @cached_property
     def _loads(self) -> tuple[Any, FloatArray, FloatArray]:
-        """Rows of the load over all variables, and the largest and smallest load with these zero.
+        """Rows of the load over all variables, and its largest and smallest value if all are zero.
 
         Variables: deflections, states z of the modes at the nodes but the first, and the minimised
-        one. Rows are at these nodes, and the load with zero variables on both sides of them; where
-        the deflection adds M delta to the load and may jump, at the starts of the cells, then at
-        their ends. A mode adds c z (`shares` of the case). Loads are in `_unit`.
+        one. Rows are at these nodes; the wind may jump there, so that the load without variables
+        has two values. Where the deflection adds M delta and may jump, rows are at the starts of
+        the cells, then at their ends. A mode adds c z (`shares` of the case). Loads are in `_unit`.
         """
         from scipy import sparse
 
@@ -226,7 +226,7 @@ class LoadProgram:
         at_starts = sparse.vstack([sparse.csr_matrix((1, at_ends.shape[1])), at_ends[:-1]])
         blocks = [sparse.vstack([M * first, M * last]), sparse.vstack([at_starts, at_ends])]
         rows = sparse.hstack([*blocks, sparse.csr_matrix((2 * n, 1))]).tocsr()
-        # the variables are whole deflections: without that of the reference in its load
+        # the variables are whole deflections, so M delta of the reference is taken from its load
         base = np.concatenate([start, end]) - M * np.tile(self.reference, 2) / self._unit
         return rows, base, base
 

@@ -246,8 +246,8 @@ class Judge:
         """Iterate over batches of soundings of about equal length that are marched together.
 
         `index`: indices of the usable soundings of the archive. Each item holds the indices of a
-        batch ``(n,)``, the heights [m] between which its winds can be judged, ``(n, 2)``, NaN where
-        nowhere, with what is added to them (growth and gust), and the winds.
+        batch ``(n,)``, the heights [m] between which its winds, with growth and gust, can be
+        judged, ``(n, 2)``, NaN where nowhere, and the winds without these.
         """
         index = index[np.argsort(soundings.counts[index], kind="stable")]  # by number of levels
         together = SoundingWinds.of(soundings[index], self.path)
