@@ -160,9 +160,8 @@ class LoadTradeOff(TradeOff):
     def above_lower_bound(self) -> bool | None:
         """Whether the limit is on the trade-off with the wind known, or above.
 
-        The trade-off lies between `_proved`, a bound of every control, and `lower_bound`, the peak
-        of a computed one: None for a limit between both, and without a limit unless no limit is
-        sufficient.
+        It is between `_proved`, a bound of every control, and `lower_bound`, the peak of one. None
+        for a limit between these, and without a limit unless no limit is sufficient.
         """
         if self.beyond_linear:
             return None
@@ -300,8 +299,7 @@ class LoadLimits:
             wind, knots = self.case.wind, self.case.wind.knots
             jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
             jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
-        # programs are required with M, with a rate limit, and with several unstable modes
-        if not self._requires_programs:
+        if not self._requires_programs:  # no M, no rate limit, a single unstable mode
             return jumped if jumped > _NEGLIGIBLE_LOAD * self.load_of_minimum else 0.0
         _, proved = self._minimum_load
         return max(jumped, proved)
@@ -580,9 +578,8 @@ def load_trade_off(
     Returns
     -------
     LoadTradeOff
-        Each limit is the peak of a computed deflection, which keeps the load within its bound at
-        all times. The lower bound of it, from the multipliers of the linear program, is at most
-        1e-4 less, relative, or a note says how much.
+        Each limit is the peak of a computed deflection, whose load is within the bound throughout.
+        Its lower bound, by multipliers of the program, is within 1e-4, or a note says more.
 
     Raises
     ------

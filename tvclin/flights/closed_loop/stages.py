@@ -617,11 +617,10 @@ class Stages:
 
     @cached_property
     def _next_to_knots(self) -> IntArray:
-        """Indices of the samples in which a knot of the wind lies, and of the next on both sides.
+        """Indices of samples with a breakpoint (knot) of the wind, and of the next on both sides.
 
-        Knots are times at which the wind changes its polynomial. Only in these samples the kernel
-        needs x' = A x + gust w itself; none in winds with many knots (`_by_pressure`), for which
-        `_arrays` has A and gust of all samples.
+        Only in these samples the kernel needs x' = A x + gust w itself; none in winds with many
+        knots (`_by_pressure`), for which `_arrays` has A and gust of all samples.
         """
         if self._by_pressure:
             return np.zeros(0, np.int64)
