@@ -308,7 +308,7 @@ def rational_loop(autopilot: Feedback, plant: Plant) -> Loop:
 
     `autopilot`: gains and filters, one or a batch. `plant`: rigid, one or a batch.
     """
-    numerator, integrators = _feedback(autopilot, plant, "deflection")
+    numerator, integrators = _feedback(autopilot, plant, "deflection")  # number of poles at zero
     actuator_numerator, actuator_denominator = _actuator(autopilot)
     denominator = polynomials.times_variable(plant.denominator, integrators)
     for name in CHAINS:

@@ -221,7 +221,7 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     # state n is the nozzle, after those of the plant; the first input is the command
     derivatives = system.A @ at.unlimited + system.B[:, :1] * at.command
     before = times < at.onset  # at rest
-    # rate, and below acceleration: of a limited substep its constant slope and zero
+    # a limited substep has a constant rate, its `slope`, and no acceleration
     rate = np.where(before, 0.0, np.where(at.bounded, at.slope, derivatives[n]))
     return Tracked(rows, rate, np.where(before | at.bounded, 0.0, system.A[n] @ derivatives))
 

@@ -449,14 +449,13 @@ class Stages:
         def over_parts(loops: LinearSystem) -> LinearSystem:
             """Return the constant system that equals a varying one over each part of m samples.
 
-            To fourth order; a batch ``(parts, m)``. `loops`: the varying system at the times
-            `places`, a flat batch ``(places m,)``, of which those at Gauss points are used.
+            To fourth order; a batch ``(parts, m)``, as `lengths`. `loops`: the varying system at
+            `places`, a flat batch ``(places m,)``: first Gauss points of all parts, then second.
             """
-            count_of_parts = lengths.size  # in all samples
-            first_points = np.arange(count_of_parts)
+            first_points = np.arange(lengths.size)
             first, second = (
                 _in_parts(loops.cases(points, shape), lengths.shape)
-                for points in (first_points, first_points + count_of_parts)
+                for points in (first_points, first_points + lengths.size)
             )
             return constant_over_steps(first, second, lengths)
 

@@ -485,6 +485,7 @@ def flight_requirements(
         trim = np.abs(trim_ratios[i] * wind.history(times[i]))
         largest = int(np.argmax(trim))
         _required, minimum, fastest_minimum, _exit = full_band[i].tolist()
+        # slower modes raise the minimum, and are still unstable when the wind ends
         requirements.append(
             FlightRequirement(
                 trim=float(trim[largest]),

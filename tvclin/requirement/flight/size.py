@@ -394,6 +394,7 @@ def _plane_sizing(
             arises = _arising_times(placed, varying_needs, bands)
             messages += _missing(required, bands)
             messages += _without_exit(mode, inputs.times, placed, bands)
+            # whether slower modes raise the minimum, by flight time and wind
             raised = _numbers(varying_needs, lambda need: need.slower_modes)
             messages += slower_modes_message(inputs.times, raised)
         except InputError as error:
@@ -405,8 +406,7 @@ def _plane_sizing(
     edges = [single_pole_validity(Coefficients.from_vehicle(v, plane)) for v in vehicles]
     span = np.array([[(np.nan, np.nan) if w.calm else w.span for w in row] for row in placed])
     changes = [[_change(schedule, plane, v, w) for w in row] for v, row in rows]
-    begins, ends = np.moveaxis(span, -1, 0)
-    first, last = schedule.span
+    (begins, ends), (first, last) = np.moveaxis(span, -1, 0), schedule.span
     tolerance = 1e-9 * (last - first)  # rounding of times
     return Sizing(
         **vars(inputs),
