@@ -158,7 +158,7 @@ def test_the_question_counts_the_pressure_at_the_peak_of_a_head_wind(tmp_path: P
         (question,) = [one for one in questions(findings) if one.name == "load"]
         assert question.yes is yes
         assert question.required_deflection == pytest.approx(at_peak, rel=1e-3)
-        assert question.whose == (
+        assert question.clause == (
             "within this load the lower bound, wind known, by the peak pressure of a head wind"
             " throughout, requires"
         )

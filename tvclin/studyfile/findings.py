@@ -273,7 +273,7 @@ def find(
             trials=trials,
             comparison=comparison,
             flexible=flexible,
-            stop=flying and result("stop", lambda *_: _stop(plan, study, flying)),
+            stop=flying and result("stop", lambda *_: _nominal_boundary(plan, study, flying)),
             flown=flying and result("flown", lambda limit, _: _flown(plan, study, flying, limit)),
             dispersed=result("dispersed", lambda request, _: _dispersed(plan, study, request)),
             flight=flight and flight[:2],
@@ -409,7 +409,7 @@ def _flown(plan: StudyPlan, study: Study, loop: Flying, limit: float) -> FlownMa
     return flown_margins(loop.plant, law, plan.history, limit=limit, **plan.hardware)
 
 
-def _stop(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
+def _nominal_boundary(plan: StudyPlan, study: Study, loop: Flying) -> ClosedLoopBoundary:
     """Return the autopilot requirement at nominal dynamic pressure, as a boundary of flights.
 
     It is the smallest deflection limit with which the autopilot survives the wind. `study` has

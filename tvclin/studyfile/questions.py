@@ -92,7 +92,7 @@ class Question(Record):
     "autopilot", "margins" or "flexible flight"; the answer is None where it is not known, and
     `line` is why.
     `required_deflection` is the required deflection [rad], NaN for a question without one, and
-    `whose` its subject with the verb, in words ("this autopilot requires"). `measure` holds the
+    `clause` the beginning of a sentence on it ("this autopilot requires"). `measure` holds the
     required and the available value: by default `required_deflection` and the limit.
     """
 
@@ -100,7 +100,7 @@ class Question(Record):
     yes: bool | None = field(metadata=spec())
     line: Line = field(metadata=spec(name="why", of="text"))
     required_deflection: float = float("nan")
-    whose: str = ""
+    clause: str = ""
     measure: Measure | None = field(default=None, metadata=spec())
 
     @property
@@ -223,14 +223,14 @@ def _wind(findings: Findings) -> Question:
     required, governs = findings.study.required_deflection, findings.study.governs
     # `unknown`: the reason why the pressure encountered is not known, or empty
     pressure = f" {NOMINAL}" if findings.study.unknown else ""
-    whose = f"the ideal trim law requires in this wind{pressure}"
+    clause = f"the ideal trim law requires in this wind{pressure}"
     line: Line = (f"set by {governs}",)
     if not required:
         line = ("no deflection is needed",)
     elif np.isinf(required):
         line = ("with this dead band no limit is sufficient",)
     yes = findings.study.sufficient
-    return Question("wind", yes, line, required_deflection=required, whose=whose)
+    return Question("wind", yes, line, required_deflection=required, clause=clause)
 
 
 def _rate(findings: Findings) -> Question:
@@ -265,11 +265,11 @@ def _rate(findings: Findings) -> Question:
     bounds = "the larger of both lower bounds"
     if at_peak:
         bounds = f"{bounds}, by the peak pressure of a {findings.study.direction} wind throughout,"
-    whose = f"at this rate {bounds} requires"
+    clause = f"at this rate {bounds} requires"
     if yes is False and np.isinf(required):  # no angle is sufficient at this rate
-        required, whose = np.nan, f"with this limit {bounds} requires"
+        required, clause = np.nan, f"with this limit {bounds} requires"
     measure = _of_angles(trade_off.required_rate, trade_off.rate_limit or np.nan, "deg/s")
-    return Question(name, yes, line, required_deflection=required, whose=whose, measure=measure)
+    return Question(name, yes, line, required_deflection=required, clause=clause, measure=measure)
 
 
 def _load(findings: Findings) -> Question:
@@ -305,8 +305,9 @@ def _load(findings: Findings) -> Question:
         return Question(name, None, (_NOT_KNOWN_AT_PEAK,))
     if yes and trade_off.requires_forecast:
         line = (*line, f"; a {FORECAST_FREE} bears more")
-    whose = f"within this load the {WIND_KNOWN}, {pressure}, requires"
-    return Question(name, yes, line, required_deflection=trade_off.lower_bound * ratio, whose=whose)
+    clause = f"within this load the {WIND_KNOWN}, {pressure}, requires"
+    required = trade_off.lower_bound * ratio
+    return Question(name, yes, line, required_deflection=required, clause=clause)
 
 
 def _flight(findings: Findings) -> Question:
@@ -317,13 +318,13 @@ def _flight(findings: Findings) -> Question:
     only the rate limit is insufficient, the question is of the required rate [rad/s] instead.
     """
     # `line`: reason of the answer, with the words that a reserve is part of the required value;
-    # `whose`: beginning of a sentence that ends with that value
+    # `clause`: beginning of a sentence that ends with that value
     name, request = "whole flight", findings.plan.sizing
     if findings.flight is None or request is None:
         return Question(name, None, (_reason(findings, "flight"),))
     _, total = findings.flight  # sizing, and its worst total
     flight = f"the whole flight of {request.source}" if request.source else "the whole flight"
-    whose = f"{flight} requires"
+    clause = f"{flight} requires"
     reserve = "; remaining beyond the reserve, which is required too" if total.reserve else ""
     line: Line = (flight, reserve)
     if total.sufficient is None:
@@ -338,8 +339,8 @@ def _flight(findings: Findings) -> Question:
         least = f"the least rate {OF_RAMP} with which the limit is sufficient"
         line = (f"{least} for {flight}", reserve)
         measure = _of_angles(total.needed_rate, total.rate_limit or np.nan, "deg/s")
-        return Question(name, False, line, whose=whose, measure=measure)
-    return Question(name, total.sufficient, line, required_deflection=total.required, whose=whose)
+        return Question(name, False, line, clause=clause, measure=measure)
+    return Question(name, total.sufficient, line, required_deflection=total.required, clause=clause)
 
 
 def _flight_rate(findings: Findings) -> Iterator[Question]:
@@ -426,8 +427,8 @@ def _probability(findings: Findings, limit: float) -> Question:
         words: Line = ("sufficient in at most ", *upper, " %, not in ", *flights)
         return Question("probability", False, words)
     line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
-    whose = f"{text(flights)} require"
-    return Question("probability", yes, line, required_deflection=float(r.upper), whose=whose)
+    clause = f"{text(flights)} require"
+    return Question("probability", yes, line, required_deflection=float(r.upper), clause=clause)
 
 
 def _autopilot(findings: Findings, limit: float) -> Question:
@@ -442,8 +443,8 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     if c is None:
         return Question(name, None, (_reason(findings, "comparison"),))
     if not c.margins.stable:
-        whose = "" if findings.flexible is None else " of the flexible vehicle"
-        return Question(name, False, (f"the loop{whose} is not stable: {c.margins.reason}",))
+        vehicle = "" if findings.flexible is None else " of the flexible vehicle"
+        return Question(name, False, (f"the loop{vehicle} is not stable: {c.margins.reason}",))
     if beyond := beyond_linear(c.peak_angle_of_attack * findings.study.plane_ratio, ATTACK):
         return Question(name, None, (beyond,))
     peak = without_stop(findings)
@@ -451,7 +452,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     free: Line = ("without a limit the autopilot would turn the nozzle by ", *turns)
     if findings.study.judges_both_planes:
         free += (" in both planes",)
-    whose = "this autopilot requires"
+    clause = "this autopilot requires"
     rate, max_rate = c.peak_deflection_rate, findings.plan.nozzle.rate_limit or np.inf
     if rate > max_rate:
         free += (", at ", *degrees("answer.rate", rate, unit="deg/s"))
@@ -459,20 +460,20 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     if requirement is None:
         within = True if covers(limit, peak) and rate <= max_rate else None
         why: Line = (f"{_reason(findings, 'stop')}; ", *free)
-        return Question(name, within, why, required_deflection=peak, whose=whose)
+        return Question(name, within, why, required_deflection=peak, clause=clause)
     yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
     line: Line = (f"{_FLOWN}; ", *free)
     if np.isinf(nominal):
         line = ("no limit that was tried survives; ", *free)
     elif requirement.head is not None:
-        whose += f", by the bound for a {findings.study.direction} wind"
+        clause += f", by the bound for a {findings.study.direction} wind"
         at_nominal = degrees("answer.calm", nominal, unit="deg")
         flown = "no limit that was tried survives" if np.isinf(requirement.deflection) else _FLOWN
         line = (flown, _at_peak(findings), *at_nominal, "; ", *free)
     elif yes is None:
         line = (f"{_NOT_KNOWN_AT_PEAK}; {_FLOWN} at the nominal one; ", *free)
     required = nominal if np.isinf(nominal) else requirement.deflection
-    return Question(name, yes, line, required_deflection=required, whose=whose)
+    return Question(name, yes, line, required_deflection=required, clause=clause)
 
 
 def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
@@ -489,15 +490,15 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
             yield Question(_TURBULENCE, None, (_reason(findings, "turbulence"),))
         return
     counted, loop = nominal, f"the linear autopilot in the wind and {nominal.label} of turbulence"
-    whose = f"{loop} requires"
+    clause = f"{loop} requires"
     if findings.head is not None:
         if findings.head.turbulence is None:
             yield Question(_TURBULENCE, None, (_NOT_KNOWN_AT_PEAK,))
             return
-        whose += f", by the bound for a {findings.study.direction} wind,"
+        clause += f", by the bound for a {findings.study.direction} wind,"
         counted, loop = findings.head.turbulence, f"{loop}{_at_peak(findings)}"
     beyond = beyond_linear(counted.angle_of_attack, ATTACK)
-    whose = "" if beyond else whose
+    clause = "" if beyond else clause
     # name, required and available value at nominal pressure and at the one that counts, and unit
     judged = [(_TURBULENCE, (nominal.deflection, limit), (counted.deflection, limit), "deg")]
     if rate_limit is not None and counted.deflection_rate is not None:
@@ -520,7 +521,7 @@ def _turbulence(findings: Findings, limit: float) -> Iterator[Question]:
         line: Line = (words, *number_text)
         measure = _of_angles(required, available, unit)
         answered = (None, (beyond,)) if beyond else (yes, line)
-        yield Question(name, *answered, whose=whose, measure=measure)
+        yield Question(name, *answered, clause=clause, measure=measure)
     if rate_limit is not None and counted.deflection_rate is None:
         yield Question(_TURBULENCE_RATE, None, ("the deflection rate has no variance here",))
 
@@ -566,8 +567,8 @@ def _margins(findings: Findings) -> Question:
     if getattr(findings, field) is None or margins is None:
         return Question("margins", None, (_reason(findings, field),))
     satisfied = bool(findings.criteria.are_satisfied(margins))
-    words, whose = "meets" if satisfied else "does not meet", " of the flexible vehicle" * flexible
-    line: Line = (f"the loop{whose} {words} the criteria {findings.criteria.name}",)
+    words, of = "meets" if satisfied else "does not meet", " of the flexible vehicle" * flexible
+    line: Line = (f"the loop{of} {words} the criteria {findings.criteria.name}",)
     judged = [j for j in findings.criteria.judge(margins) if np.isfinite(j.surplus)]
     # by the surplus over the criterion, which is infinite for a criterion of zero
     worst = min(
@@ -577,8 +578,8 @@ def _margins(findings: Findings) -> Question:
     )
     if worst is None:
         return Question("margins", satisfied, line)
-    of = f" of {worst.band}" if worst.band else ""
-    line += (f"; the {worst.criterion.name}{of} has least to spare",)
+    band = f" of {worst.band}" if worst.band else ""
+    line += (f"; the {worst.criterion.name}{band} has least to spare",)
     return Question("margins", satisfied, line, measure=_measured(worst))
 
 

@@ -205,7 +205,7 @@ def _study(
     if not isinstance(vehicle, str):
         raise InputError(f"--set {of_vehicle[0].key} needs a vehicle in [study]")
     file = str(vehicle_source(vehicle, folder))
-    # the name of its file, a text that also carries the changed tables
+    # in place of the name of its file an `EditedSource`, the name with the changed tables
     edited = _vehicle(file, source_tables(file), of_vehicle)
     flight = tables.get("schedule")
     if isinstance(flight, dict) and flight.get("source") == vehicle:

@@ -69,11 +69,11 @@ def _answered(question: Question, limit: float | None) -> Line:
     `limit`: deflection limit [rad], named after the reason; None without one.
     """
     measure = question.measure
-    # `whose`: beginning of a sentence on a requirement, "this autopilot requires"; with NaN the
+    # `clause`: beginning of a sentence on a requirement, "this autopilot requires"; with NaN the
     # measure alone has the required value, such as a rate
-    if measure is not None and question.whose and np.isnan(question.required_deflection):
+    if measure is not None and question.clause and np.isnan(question.required_deflection):
         required, available, _ = measured("verdict", measure)
-        return (f"{question.answer}: {question.whose} ", *required, " and has ", *available)
+        return (f"{question.answer}: {question.clause} ", *required, " and has ", *available)
     first_reason = question.text.partition("; ")[0].rstrip(".")
     words = first_reason.replace(f": {question.answer}", "")  # the sentence begins with the answer
     line: Line = (f"{question.answer}: {words}",)
@@ -150,7 +150,7 @@ def _limit_against(worst: Question, limit: float, sufficient: bool | None) -> Li
     elif percent <= _MAX_PERCENT:
         by += (" (", *number("verdict.surplus_percent", percent, 1, "%"), ")")
     word, relation = sufficiency(sufficient), "more than" if sufficient else "short of"
-    tail = (*by, f" {relation} the ", *needed, f" that {worst.whose}")
+    tail = (*by, f" {relation} the ", *needed, f" that {worst.clause}")
     return (f"{word}: the limit of ", *have, " is ", *tail)
 
 

@@ -82,7 +82,7 @@ def aerodynamic_damping(
             "the pitch damping coefficient must be zero or negative: C_mq below zero damps; got"
             f" {C.max():.6g}"
         )
-    f = RATES[one_of("per", per, RATES)]
+    speeds = RATES[one_of("per", per, RATES)]  # 2 of q L/(2 V), 1 of q L/V
     numbers = {
         "dynamic_pressure": positive("dynamic_pressure", dynamic_pressure, "Pa"),
         "reference_area": positive("reference_area", reference_area, "m^2"),
@@ -92,7 +92,7 @@ def aerodynamic_damping(
     together(coefficient=C, **numbers)
     pressure, area, length, speed = numbers.values()
     with np.errstate(over="ignore", invalid="ignore"):  # refused below
-        damping = np.abs(C) * pressure * area * length**2 / (f * speed)
+        damping = np.abs(C) * pressure * area * length**2 / (speeds * speed)
     return plain(finite("the damping of these numbers", damping, "N m s/rad"))
 
 
