@@ -471,7 +471,7 @@ def _verdict(
     flown = [point.duty for point in points if point.duty is not None]
     # Of any control that knows the wind: the angle with a ramp at the rate limit, and the rate of
     # a ramp to the deflection limit. For a complex pair the angle is d0, and the rate 0.
-    with np.errstate(invalid="ignore"):  # without a pole the 1e-9 divides, and nothing is required
+    with np.errstate(invalid="ignore"):  # without a pole, in whose place is 1e-9, none is required
         ramped = ramped_deflection(minimum, np.maximum(pole, 1e-9), max_rate)
         theory = np.where(minimum > 0.0, np.where(np.isnan(pole), minimum, ramped), 0.0)
         rates = np.nan_to_num(ramp_rate(minimum, pole, limit), nan=0.0, posinf=np.inf)

@@ -458,11 +458,11 @@ def with_outputs(
     deflection_moment, at the times of the schedule; empty for none. Outputs are C x + D u, u being
     deflection and wind; after the end of the schedule numbers of the vehicle are those of the end.
     """
-    # times within the flight of this wind, and below within the schedule of the vehicle
+    # times [s] within this flight, and of those `within` the schedule of the vehicle, which may end
     flight, inside = along.flight, np.clip(times, along.start, along.stop)
+    within = np.minimum(inside, flight.span[1])
     ratio = along.wind.pressure(inside)  # q/q_n encountered in the wind
     plants = FlownFlights([along]).plants_at(inside, np.zeros(inside.size, np.int64), ratio)
-    within = np.minimum(inside, flight.span[1])
     wind_angle = np.asarray(along.wind.history(times), float)
     states, deflection = rows[:, : len(plants.states)], rows[:, -1]
     _, _, C, D = plants.matrices()

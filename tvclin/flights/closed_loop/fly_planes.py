@@ -108,7 +108,7 @@ def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> P
         outcome=np.zeros(m, int),
         shown=[],
     )
-    # the demand over the limit at which a plane commands its whole limit: at the limit alone
+    # a plane engages and releases its whole limit at demands of one time the limit
     steppers, full_command_ratio = [Stepper(f) for f in pair], np.ones(m)
     last = int(max(f.cases.finish.max(initial=-1) for f in pair))
     for f in pair:
