@@ -366,10 +366,10 @@ def has_quick_path(plant: Plant) -> BoolArray:
 def unstable_end(equations: FloatArray) -> FloatArray:
     """Return costate and control reach, its last column, of constant equations, ``(n, m + 1)``.
 
-    `equations`: of n vehicles with m states, ``(n, m, m + 2)``. The costate p is the left
-    eigenvector of the fastest real unstable mode, of length one and with a positive component of
-    the attitude rate; the control reach is p.b over the pole, b being the column of the
-    deflection. NaN without such a mode.
+    `equations`: [A b w] of n vehicles with m states, ``(n, m, m + 2)``: state matrix, columns of
+    deflection and wind. The costate p is the left eigenvector of the fastest real unstable mode, of
+    length one and with a positive component of the attitude rate; the control reach is p.b over the
+    pole. NaN without such a mode.
     """
     order = equations.shape[-2]
     values, rows = left_eigenvectors(equations[..., :order])  # the fastest first
@@ -379,7 +379,8 @@ def unstable_end(equations: FloatArray) -> FloatArray:
     pole = np.where(exists, np.real(np.take_along_axis(values, fastest, axis=-1)), np.nan)
     costate = np.real(np.take_along_axis(rows, fastest[..., np.newaxis], axis=-2)[..., 0, :])
     costate = costate * np.where(costate[..., 1:2] < 0.0, -1.0, 1.0)
-    reach = np.vecdot(costate, equations[..., order])[..., np.newaxis] / pole
+    deflection_column = equations[..., order]  # b
+    reach = np.vecdot(costate, deflection_column)[..., np.newaxis] / pole
     return np.where(exists, np.concatenate([costate, reach], axis=-1), np.nan)
 
 

@@ -504,7 +504,7 @@ class SteppedWinds:
         onset = None if self.onset is None else self.onset[cases]
         return SteppedWinds(equations, times, self.wind[cases], self.ratio[cases], onset)
 
-    def _columns(self) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
+    def _for_kernels(self) -> tuple[marches.VaryingSteps, FloatArray, FloatArray]:
         """Return the arguments that the kernels of the limited and the unlimited trim both take.
 
         They are steps with equations and winds; costate of the fastest unstable mode and control
@@ -538,7 +538,7 @@ class SteppedWinds:
         with np.errstate(invalid="ignore", divide="ignore"):
             run(
                 marches.trim_and_demand,
-                (*self._columns(), trim, demand, slope, path),
+                (*self._for_kernels(), trim, demand, slope, path),
                 cases=cases,
                 # estimated run time, which decides between compiled and plain code
                 seconds=marches.PLAIN * cases * steps,
@@ -557,7 +557,7 @@ class SteppedWinds:
         none. `path`: the m - 2 states beyond attitude and rate, under trim, at these ends, ``(n, S
         + 1, m - 2)``. `trim_ratios`: trim over K [rad] there; None: peaks from the onset suffice.
         """
-        steps, costates_and_reaches, _onset = self._columns()  # of the fastest mode: ``(n, m + 1)``
+        steps, costates_and_reaches, _onset = self._for_kernels()  # fastest mode: ``(n, m + 1)``
         for modes in self.equations.modes:
             # equations that are common to all winds have their modes in all
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
@@ -590,7 +590,7 @@ class SteppedWinds:
         work = count * limits.size * equations.nominal.shape[-2]  # steps, tries and states
         run(
             marches.limited_trim,
-            (*winds._columns(), _FEEDBACK_OVER_TRIM, max_attitude, checked, tried, diverged),
+            (*winds._for_kernels(), _FEEDBACK_OVER_TRIM, max_attitude, checked, tried, diverged),
             cases=len(limits),
             # estimated run time, which decides between compiled and plain code
             seconds=marches.LIMITED_PLAIN * work,

@@ -263,10 +263,10 @@ def total_table(total: DeflectionTotal) -> Table:
     return Table(f"Budget of the deflection{at_time(total, 'the', defined)}", HEAD, tuple(rows))
 
 
-def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
+def at_time(total: DeflectionTotal, article: str, defined: str = "") -> str:
     """Return the worst flight time of a total as the end of a caption.
 
-    With the listed times between which it lies, or the end of the flight that it is. `whose`: word
+    With the listed times between which it lies, or the end of the flight that it is. `article`: word
     before "worst flight time", such as "its". `defined`: words after it, such as "of those that are
     known".
     """
@@ -275,7 +275,7 @@ def at_time(total: DeflectionTotal, whose: str, defined: str = "") -> str:
     listed = " and ".join(f"{time:.5g}" for time in total.listed)
     between = f", between the listed {listed} s" if listed else ""
     end = f", {total.end}" if total.end else ""
-    return f" at {whose} worst flight time{defined}, {total.time:.5g} s{between}{end}"
+    return f" at {article} worst flight time{defined}, {total.time:.5g} s{between}{end}"
 
 
 def rows_of(total: DeflectionTotal, key: str, wind: str) -> list[tuple[Cell, ...]]:
