@@ -266,9 +266,9 @@ def total_table(total: DeflectionTotal) -> Table:
 def at_time(total: DeflectionTotal, article: str, defined: str = "") -> str:
     """Return the worst flight time of a total as the end of a caption.
 
-    With the listed times between which it lies, or the end of the flight that it is. `article`: word
-    before "worst flight time", such as "its". `defined`: words after it, such as "of those that are
-    known".
+    With the listed times between which it lies, or the end of the flight that it is. `article`:
+    word before "worst flight time", such as "its". `defined`: words after it, such as "of those
+    that are known".
     """
     if total.time is None:
         return ""
