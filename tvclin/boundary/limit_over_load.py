@@ -631,7 +631,7 @@ def load_trade_off(
         limits=limits,
         lower_bounds=lower_bounds,
         slopes=slopes,
-        set_by=tuple(case.set_by(a, d) for a, d in zip(load_bounds, limits, strict=True)),
+        set_by=tuple(map(case.set_by, load_bounds, limits)),
         no_forecast_bounds=bounds,
         minimum_deflection=case.minimum_deflection,
         load_of_minimum=case.load_of_minimum,

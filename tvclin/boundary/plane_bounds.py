@@ -538,8 +538,8 @@ def _solved(moments: _Moments, onset: float) -> tuple[FloatArray, Vectors, Certi
     limit_shape, cells = moments.limit_shape, moments.cell_integrals
     # The conditions, one for each pole, in another basis (`rows`): orthonormal over the cells and
     # divided by the largest deflection of S in the pole's plane (`reach`, along its unit vector, 1
-    # or j, in `axes`). The numbers of l are
-    # then of one size, and N(l) bounds each of them by `ends`. `triangle` leads back.
+    # or j, in `axes`). The numbers of l are then of one size, and N(l) bounds each of them by
+    # `ends`. `triangle` leads back.
     q, triangle = np.linalg.qr(np.concatenate([cells.real, cells.imag], axis=1).T)
     reach = limit_shape.support(moments.axes)
     rows = (q[: cells.shape[1]] + 1j * q[cells.shape[1] :]).T / reach[:, np.newaxis]

@@ -376,7 +376,7 @@ class SystemPlant(Plant):
                 " deflection_acceleration out of the plant"
             )
         gains, outputs = self._modal_matrices  # of each input in a mode, of a mode in each output
-        # the wind in the angle of attack is a direct term too: it is not subtracted here
+        # the wind in the angle of attack is one of the direct terms, which the caller adds
         return ModalSystem(self.poles, gains, outputs, less_wind=False)
 
     @property

@@ -357,6 +357,7 @@ def _cubic(values: FloatArray, slopes: FloatArray, length: FloatArray, u: FloatA
     begin and end, ``(..., 2)``. `length`: of the steps [s].
     """
     a, b = values[..., 0], values[..., 2]
+    # slopes over a step at its begin and its end
     s, e = length * slopes[..., 0], length * slopes[..., 1]
     quadratic, cubic = 3.0 * (b - a) - 2.0 * s - e, 2.0 * (a - b) + s + e
     return np.asarray(a + u * (s + u * (quadratic + u * cubic)))

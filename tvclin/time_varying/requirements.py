@@ -297,9 +297,9 @@ def varying_requirement(
         Whether the limited law is flown where flights decide; else the curves' limit counts.
     """
     if not isinstance(encountered, Sequence) and np.all(np.isinf(encountered.history.onset)):
-        none = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
-        unknown_time = np.full(none.shape, np.nan)
-        return VaryingRequirement(none, none, minimum=none, fastest_minimum=none, time=unknown_time)
+        zero = np.zeros(np.broadcast_shapes(np.shape(encountered.history.onset), (1,)))
+        unknown_time = np.full(zero.shape, np.nan)
+        return VaryingRequirement(zero, zero, minimum=zero, fastest_minimum=zero, time=unknown_time)
     times, wind, ratio = encountered_at_steps(motion, encountered, parts)
     winds = SteppedWinds(motion.at_steps(times), times, wind, ratio)
     equations, trim_and_demand = winds.equations, winds.curves()

@@ -277,8 +277,8 @@ class LoadProgram:
         lower bound from the prices of the constraints, `_finer` the nodes of the next program.
         """
         first, last = self._levels  # matrices from variables to deflections at starts and at ends
-        u = self._corrected(result.x[: self._variables] * self._unit)
-        ends = np.stack([first @ u, last @ u])
+        deflection = self._corrected(result.x[: self._variables] * self._unit)
+        ends = np.stack([first @ deflection, last @ deflection])
         inside = self.case.load_in(self.reference_load, self.widths, ends - self.reference)
         # prices of the inequalities in the order of `_limits`: load above, load below, .., rate
         _, high, _ = self._loads

@@ -357,7 +357,7 @@ def peaks_for_demands(
     two = (number == 2) & ~pair & ~unreachable
     if np.any(two):
         p, d = np.real(poles[two, :2]), np.real(demands[two, :2])
-        z = p * d
+        z = p * d  # constant deflection that each mode requires by itself [rad]
         peaks[two] = minimum_reach(z[:, 0], z[:, 1], p[:, 1] / p[:, 0])
     pair &= ~unreachable
     if np.any(pair):

@@ -83,6 +83,7 @@ def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
     pending commands, which are kept in a ring; samples count from zero again. `f`: arrays of all
     flights at their ends; `now.ended` is the last sample. `laws`: laws of the flights.
     """
+    # g: arrays of the flights in the further interval
     g = f._replace(
         winds=f.winds._replace(pieces=np.zeros_like(f.winds.pieces)),
         cases=Cases._make(array[indices] for array in f.cases),

@@ -102,7 +102,7 @@ def _remains_linear(
     and row of its command, ``(n,)``. `overshoot`: largest rate of the nozzle over that of its
     commands.
     """
-    z, modes = np.linalg.eig(step)
+    z, modes = np.linalg.eig(step)  # z: factor of each mode in a sample
     if np.abs(z).max() > 1.0 - _MIN_DECAY:
         return False
     ended, pending = f.now.ended[i], f.now.commands.shape[1]
@@ -117,7 +117,7 @@ def _remains_linear(
     error = np.abs(state - parts.sum(axis=1))  # of the state by these modes alone
     if np.any(error > _RELATIVE_TOLERANCE * amplitudes + _DECAYED * np.abs(state).max()):
         return False
-    n, h = f.vehicles.A.shape[1], f.steps.lengths[f.cases.vehicle[i], 0]  # deflection; sample [s]
+    n, h = f.vehicles.A.shape[1], f.steps.lengths[f.cases.vehicle[i], 0]  # h: length of a sample
     commands = row @ parts
     command, travel = np.abs(commands).sum(), overshoot * np.abs((z - 1.0) * commands).sum()
     # the deflection between two samples differs from that at a sample by the travel at most

@@ -264,11 +264,12 @@ class Prediction:
         rotation = 0.5 * h * (rate + next_rate)
         path_rotation = self._path - self._path_before
         alpha = self._alpha + rotation - path_rotation - (angle - self._wind_angle)
+        nominal_attitude, nominal_rate, nominal_path, nominal_alpha, *_ = nominal
         plain = Measurement(
-            attitude=self._attitude + rotation - nominal[0],
-            attitude_rate=next_rate - nominal[1],
-            flight_path_angle=self._path + path_rotation - nominal[2],
-            angle_of_attack=alpha - nominal[3],
+            attitude=self._attitude + rotation - nominal_attitude,
+            attitude_rate=next_rate - nominal_rate,
+            flight_path_angle=self._path + path_rotation - nominal_path,
+            angle_of_attack=alpha - nominal_alpha,
             deflection=self._deflection,
         )
         return plain if self._lateral is None else self._lateral.measured(plain)

@@ -69,7 +69,8 @@ class ControllabilityRatio(Shown):
     def words(self) -> str:
         """The ratio of available deflection to trim with what adds to it, judged, in words.
 
-        Where winds are not known at some flight times, `takes.not_sized`, a good ratio says so.
+        A ratio above a limit says so if winds are not known at some flight times (`takes`, the
+        total of trim and what adds to it, has them in `not_sized`).
         """
         defined = " where the winds are known" if self.takes.not_sized else ""
         if self.ratio > GOAL:

@@ -459,12 +459,12 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
     )
     for wind in winds:
         if wind.calm:
-            none = 0.0 if wind.known else np.nan
+            calm = 0.0 if wind.known else np.nan
             yield FrozenRequirement(
-                trim=none,
-                required=np.full(bands.shape, none),
-                no_forecast=none,
-                minimum=none,
+                trim=calm,
+                required=np.full(bands.shape, calm),
+                no_forecast=calm,
+                minimum=calm,
                 slow_mode=np.nan,
                 messages=(),
             )
@@ -557,9 +557,9 @@ def _varying_requirements(
         """Return the requirement of a wind; zero in a calm, which has no key, NaN if not known."""
         if key is not None:
             return by_key[key]
-        none, times = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
-        required = np.full(bands.shape, none)
-        sizes: dict[str, Any] = {"trim": none, "required": required, "minimum": none}
+        calm, times = 0.0 if wind.known else np.nan, np.full(bands.shape, np.nan)
+        required = np.full(bands.shape, calm)
+        sizes: dict[str, Any] = {"trim": calm, "required": required, "minimum": calm}
         return FlightRequirement(**sizes, slower_modes=False, trim_time=np.nan, times=times)
 
     return [
