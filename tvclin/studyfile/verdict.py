@@ -104,7 +104,7 @@ def _named(others: Sequence[Question]) -> Line:
     reasons = {q.text.partition("; ")[0]: None for q in others if q.yes is None}
     for question in others:
         names.setdefault(question.answer, []).append(question.name)
-    words = {word: f"{word}: {', '.join(those)}" for word, those in sorted(names.items())}
+    words = {word: f"{word}: {', '.join(of_word)}" for word, of_word in sorted(names.items())}
     if len(reasons) == 1:
         words[sufficiency(None)] += f" ({next(iter(reasons))})"
     return (f"; also {'; '.join(words.values())}",) if words else ()

@@ -145,8 +145,8 @@ class LoadProgram:
     @property
     def _variables(self) -> int:
         """Number of the program's variables that are values of the deflection, the first ones."""
-        at_start, _ = self._levels
-        return int(at_start.shape[1])
+        to_starts, _ = self._levels
+        return int(to_starts.shape[1])
 
     @cached_property
     def _static_bounds(self) -> tuple[IndexArray, float]:
@@ -175,7 +175,7 @@ class LoadProgram:
         from scipy import sparse
 
         case, n = self.case, self.widths.size
-        first, last = self._levels  # matrices: variables to deflections at starts, ends of cells
+        to_starts, to_ends = self._levels  # variables to deflections, start and end of cells
         decay, start_weights, end_weights = convolution_weights(
             case.rates, self.widths[:, np.newaxis]
         )
@@ -187,12 +187,13 @@ class LoadProgram:
         # whether each real number belongs to an unstable mode: 1 + j marks both of a pair
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         final_states, m = case.column(case.step_states)[unstable], unstable.size
-        driven = _diagonal(start[..., np.newaxis]) @ first + _diagonal(end[..., np.newaxis]) @ last
+        driven = _diagonal(start[..., np.newaxis]) @ to_starts
+        driven = driven + _diagonal(end[..., np.newaxis]) @ to_ends
         between = sparse.hstack([driven, _diagonal(of_end) + _diagonal(of_start, 1)])
         # final state of each unstable mode, from which the last deflection, held, returns it
         final = sparse.hstack(
             [
-                sparse.csr_matrix(final_states[:, np.newaxis]) @ last[n - 1],
+                sparse.csr_matrix(final_states[:, np.newaxis]) @ to_ends[n - 1],
                 sparse.csr_matrix((final_states.size, (n - 1) * m)),
                 sparse.csr_matrix(np.eye(m)[unstable]),
             ]
@@ -222,9 +223,9 @@ class LoadProgram:
             after = np.append(start[1:], end[-1])
             rows = [sparse.csr_matrix((n, self._variables)), at_ends, sparse.csr_matrix((n, 1))]
             return sparse.hstack(rows).tocsr(), np.maximum(end, after), np.minimum(end, after)
-        first, last = self._levels  # matrices from variables to deflections at starts and at ends
+        to_starts, to_ends = self._levels  # variables to deflections, start and end of cells
         at_starts = sparse.vstack([sparse.csr_matrix((1, at_ends.shape[1])), at_ends[:-1]])
-        blocks = [sparse.vstack([M * first, M * last]), sparse.vstack([at_starts, at_ends])]
+        blocks = [sparse.vstack([M * to_starts, M * to_ends]), sparse.vstack([at_starts, at_ends])]
         rows = sparse.hstack([*blocks, sparse.csr_matrix((2 * n, 1))]).tocsr()
         # the variables are whole deflections, so M delta of the reference is taken from its load
         base = np.concatenate([start, end]) - M * np.tile(self.reference, 2) / self._unit
@@ -262,9 +263,9 @@ class LoadProgram:
             parts += [under(rows, minimised=True) for rows in (static, -static)]
             values += [np.zeros(2 * wide.size)]
         if np.isfinite(self.case.rate):
-            first, last = self._levels  # from variables to deflections at starts, ends of cells
-            rest = sparse.csr_matrix((last.shape[0], count - unknowns))
-            change = sparse.hstack([last - first, rest])
+            to_starts, to_ends = self._levels  # variables to deflections, both ends of cells
+            rest = sparse.csr_matrix((to_ends.shape[0], count - unknowns))
+            change = sparse.hstack([to_ends - to_starts, rest])
             parts += [change, -change]
             values += [np.tile(self.case.rate * self.widths / self._unit, 2)]
         return sparse.vstack(parts).tocsr(), np.concatenate(values)
@@ -276,9 +277,9 @@ class LoadProgram:
         conditions to rounding, and its load computed between the nodes too. `_proof` gives the
         lower bound from the prices of the constraints, `_finer` the nodes of the next program.
         """
-        first, last = self._levels  # matrices from variables to deflections at starts and at ends
+        to_starts, to_ends = self._levels  # variables to deflections, start and end of cells
         deflection = self._corrected(result.x[: self._variables] * self._unit)
-        ends = np.stack([first @ deflection, last @ deflection])
+        ends = np.stack([to_starts @ deflection, to_ends @ deflection])
         inside = self.case.load_in(self.reference_load, self.widths, ends - self.reference)
         # prices of the inequalities in the order of `_limits`: load above, load below, .., rate
         _, high, _ = self._loads
@@ -308,7 +309,7 @@ class LoadProgram:
         reference. The least-squares solution of smallest size is added.
         """
         case = self.case
-        at_start, at_end = self._levels  # matrices from `u` to the deflection at both ends of cells
+        to_starts, to_ends = self._levels  # from `u` to the deflection, start and end of cells
         _, *ends = convolution_weights(case.rates, self.widths[:, np.newaxis])
         decayed = np.exp(
             -np.where(case.unstable, case.rates, 0.0) * (self.nodes - self.nodes[0])[:, np.newaxis]
@@ -321,7 +322,8 @@ class LoadProgram:
         unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
         of_start, of_end = (case.column(x)[:, unstable].T for x in (of_start, of_end))
         # rows @ u is the integral of the deflection, by real condition; scales normalise them
-        rows, scales = of_start @ at_start + of_end @ at_end, np.abs(of_start).sum(axis=1) + 1e-300
+        rows = of_start @ to_starts + of_end @ to_ends
+        scales = np.abs(of_start).sum(axis=1) + 1e-300
         lacking = ((of_start + of_end) @ self.reference - rows @ u) / scales
         return u + np.linalg.lstsq(rows / scales[:, np.newaxis], lacking, rcond=None)[0]
 

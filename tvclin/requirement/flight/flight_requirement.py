@@ -196,7 +196,7 @@ class FlightMode:
         changes = sign_changes(nominal)
         reverses = changes | _reverses(onset_reach, onset_absolute_reach)
         costates = np.stack(costate, axis=-1)[reverses, np.newaxis]
-        # the fastest mode by itself, whose pole does not matter
+        # of winds in which p.b changes its sign: the fastest mode alone, whose pole is not used
         single = UnstableModes(np.flatnonzero(reverses), np.ones(costates.shape[:2]), costates)
         several = unstable_modes_of(nominal[:, -1, 2, :, :order])
         constant = ~_reverses(reach, absolute_reach)  # winds after which p.b keeps its sign

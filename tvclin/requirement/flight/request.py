@@ -607,7 +607,7 @@ class SizingRequest:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings on implausible numbers of a flight, and on one of a vehicle not the study's."""
+        """Warnings on implausible numbers of the flight, and if it is of `another` vehicle."""
         noted = (note for note in self.schedule.notes if isinstance(note, ImplausibleInput))
         warnings: list[str] = [*noted, *vehicle_warnings(self.schedule.vehicle)]
         if self.another:
