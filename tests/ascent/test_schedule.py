@@ -124,21 +124,54 @@ def test_a_jet_in_a_row_that_is_wrong_names_the_row(tmp_path) -> None:
         ("70,", ",", r"line 5: time_s is missing"),
         (", 43, 0.01", ", 43", r"line 5: there are 12 names and 11 cells"),
         ("weight_kN", "weight_stone", r"line 2: weight_stone has no known unit in the schedule"),
+        ("altitude_m", "altitude", r"line 2: altitude has no known unit in the schedule; .*_m or"),
+        ("altitude_m", "Altitude (mi)", r"line 2: Altitude \(mi\) has no known .*altitude_m or"),
         ("weight_kN", "time_s", r"every column needs a key of its own; got 'time_s'"),
         ("1450", "1" * 200_000, "line 5: weight_kN must be finite"),
-        ("time_s,", "name,", r"line 2: a key is missing: time_s"),
+        ("time_s,", "name,", r"line 2: a key is missing in the schedule: time_s"),
         (CSV[CSV.index("70,") :], "", "two or more times; got 1"),
         ("altitude_m", "hight_m", r"line 2: unknown key in the schedule: 'hight_m'"),
-        ("altitude_m", "Height (m)", r"line 2: 'Height \(m\)' is no key.* tvclin import table"),
-        ("weight_kN", "Weight (stone)", r"'Weight \(stone\)' is no key.* import table FILE --colu"),
+        ("altitude_m", "Height (m)", r"line 2: unknown key .*'Height \(m\)'"),
+        ("weight_kN", "Weight (stone)", r"Weight \(stone\) has no known unit"),
+        ("weight_kN", "Weight (stone)", r"line 2: tvclin import table FILE --columns"),
         ("weight_kN", "Time [s]", r"every column needs a key of its own; got 'time_s'"),
         ("velocity_m_per_s", "altitude_ft", r"line 2: a key is missing in the schedule: velocity_"),
-        (CSV[CSV.index("time_s") :], "", "no line of keys, such as time_s.* tvclin import table"),
+        (CSV[CSV.index("time_s") :], "", "no line of keys: time_s.* tvclin import table"),
     ],
 )
 def test_a_wrong_line_is_named(tmp_path, old, new, words) -> None:
     with pytest.raises(InputError, match=words):
         read(tmp_path, CSV.replace(old, new, 1), "flight.csv")
+
+
+def test_all_unknown_and_missing_columns_are_named_at_once(tmp_path) -> None:
+    own = CSV.replace("time_s", "time").replace("weight_kN", "weight").replace("altitude_m", "h/m")
+    own = own.replace("velocity_m_per_s", "speed_m_per_s").replace("axial_force_N", "drag_N")
+    with pytest.raises(InputError) as refused:
+        read(tmp_path, own, "flight.csv")
+    lines = [line.partition("line 2: ")[2] for line in str(refused.value).split("\n")]
+    for line, beginning in zip(
+        lines,
+        (
+            "time has no known unit in the schedule; write time_s",
+            "weight has no known unit in the schedule; write weight_N or weight_kN",
+            "unknown key in the schedule: 'drag_N'; tvclin init --keys",
+            "unknown key in the schedule: 'speed_m_per_s'; did you mean velocity_m_per_s",
+            "unknown key in the schedule: 'h/m'; tvclin init --keys",
+            "a key is missing in the schedule: axial_force_N or",
+            "tvclin import table FILE",
+        ),
+        strict=True,
+    ):
+        assert line.startswith(beginning)
+
+
+def test_the_columns_that_a_message_lists_make_a_flight(tmp_path) -> None:
+    with pytest.raises(InputError, match="no line of keys") as refused:
+        read(tmp_path, "a,b\n1,2\n2,3\n", "flight.csv")
+    keys = str(refused.value).partition("keys: ")[2].partition(", or")[0]
+    row = ",1.5e6,2e7,2.5e6,9,23,400,60,9e5,1e5\n"
+    assert read(tmp_path, f"{keys}\n0{row}10{row}", "flight.csv").span == (0.0, 10.0)
 
 
 @pytest.mark.parametrize(
@@ -149,6 +182,7 @@ def test_a_wrong_line_is_named(tmp_path, old, new, words) -> None:
         ("time_s = [60, 70, 80]", "time_s = 60", "needs time_s, a list of times"),
         ("60, 70, 80", "60, 70, 65", "row 3: time_s must rise"),
         ("[0.02, 0.01, 0]", "true", "nominal_deflection_deg must be a number"),
+        ("altitude_m", "altitude", "altitude has no known unit in the schedule; write altitude_m"),
         ("[schedule]", "schedule = 3", "must be a table"),
         ("[schedule]", "[schedule", "not valid TOML"),
         ("[schedule]", "[vehicle]\n[schedule]", "nothing beside"),

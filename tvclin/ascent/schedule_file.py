@@ -38,6 +38,19 @@ FLIGHT_COLUMNS = FileTable(
 """Columns of a flight schedule beside the keys of [vehicle]."""
 _WORDS = ("name", "structure")
 """Columns of text: names of the vehicle and of the table of its structure."""
+_COLUMNS = replace(
+    vehicle_file.VEHICLE_TABLE,
+    heading="the schedule",
+    quantities=vehicle_file.VEHICLE_TABLE.quantities | FLIGHT_COLUMNS.quantities,
+    words=("structure", *vehicle_file.VEHICLE_TABLE.words),
+    required=("time",),
+)
+"""Columns of a flight schedule."""
+_REQUIRED = (
+    "time_s,weight_N,moment_of_inertia_kg_m2,thrust_N,aerodynamic_arm_m,control_arm_m,"
+    "velocity_m_per_s,attitude_deg,normal_force_slope_N_per_rad,axial_force_N"
+)
+"""Line of the columns that a schedule must have."""
 _CONVERSION = (
     "tvclin import table FILE --columns MAP.toml -o NEW.csv converts other names and units"
 )
@@ -150,8 +163,6 @@ def with_structure(
     return replace(schedule, structure=structure, notes=(*schedule.notes, *structure.notes))
 
 
-_SCHEDULE = "the schedule"
-"""Name of the table of a schedule in messages."""
 Row = tuple[str, dict[str, Any]]
 """Label of a row in messages, and its values by key."""
 
@@ -181,7 +192,7 @@ def _from_rows(
             # altitude, nominal deflection and actuator; the other keys are those of a vehicle
             keys = [key for key in FLIGHT_COLUMNS.keys if key in row]
             others.append(FLIGHT_COLUMNS.read({key: row.pop(key) for key in keys}))
-            vehicles.append(vehicle_file.build_vehicle(row, _SCHEDULE))
+            vehicles.append(vehicle_file.build_vehicle(row, _COLUMNS.heading))
             if vehicles[-1].time is None:
                 raise InputError("a key is missing: time_s")
     times = [float(np.asarray(v.time)) for v in vehicles]
@@ -219,7 +230,7 @@ def _moving(rows: list[Row]) -> tuple[list[Row], tuple[str, ...]]:
 
 def _numbers_of(rows: list[Row], *names: str) -> list[dict[str, float]]:
     """Return the numbers of rows in SI units by name; empty where one of `names` is missing."""
-    keys = vehicle_file.VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys  # name and factor to SI by key
+    keys = _COLUMNS.keys  # name and factor to SI by key
     numbers = []
     for _label, row in rows:
         values = {key: value for key, value in row.items() if key in keys}
@@ -282,33 +293,28 @@ def _with_inertia_rates(rows: list[Row]) -> list[Row]:
 
 def _csv_rows(text: str, source: str) -> list[Row]:
     """Return the rows of a schedule in the text of a CSV file; `source`: its path, for errors."""
-    missing = (
-        "keys, such as time_s,weight_N, or Time (s),Weight (N) (tvclin init --keys has all;"
-        f" {_CONVERSION})"
-    )
+    missing = f"keys: {_REQUIRED}, or Time (s),... (tvclin init --keys has all; {_CONVERSION})"
     sheet = sheet_in(lines_of(text, source), _key_count, missing)
     keys = _keys_of(sheet.headings)
     for key in keys:
         if keys.count(key) > 1:
             raise sheet.error(f"every column needs a key of its own; got {shown(key)}")
     with naming(f"{called(source)}, line {sheet.head + 1}"):
-        if others := [key for key in keys if not key.isidentifier()]:
-            raise InputError(
-                f"{shown(others[0])} is no key, such as weight_N or Weight (N); {_CONVERSION}"
-            )
-        not_vehicle = {*FLIGHT_COLUMNS.keys, *_WORDS}  # columns but for numbers of the vehicle
-        vehicle_file.check_columns([key for key in keys if key not in not_vehicle], _SCHEDULE)
-        if "time_s" not in keys:
-            raise InputError("a key is missing: time_s")
+        try:
+            vehicle_file.check_columns(keys, _COLUMNS)
+        except InputError as error:
+            if set(keys) <= {*_COLUMNS.every_key}:
+                raise
+            raise InputError(f"{error}\n{_CONVERSION}") from None
     labels = [f"line {n}" for n in sheet.line]
     columns = zip(keys, zip(*sheet.cells, strict=True), strict=True)
     return _rows({k: _column(called(source), labels, k, c) for k, c in columns}, labels)
 
 
 def _key_count(headings: Headings) -> float:
-    """Return how well a line of headings fits: the number of keys of vehicles and schedules."""
-    schedule_keys = {*vehicle_file.VEHICLE_TABLE.every_key, *FLIGHT_COLUMNS.keys, *_WORDS}
-    return float(sum(key in schedule_keys for key in _keys_of(headings)))
+    """Return how well a line of headings fits: the number of keys, also without their units."""
+    schedule_keys = {*_COLUMNS.every_key, *_COLUMNS.quantities}
+    return float(sum(key.lower() in schedule_keys for key in _keys_of(headings)))
 
 
 def _keys_of(headings: Headings) -> list[str]:
@@ -316,9 +322,8 @@ def _keys_of(headings: Headings) -> list[str]:
 
     A heading without a key, or with a unit that no key has, keeps its text.
     """
-    kinds = vehicle_file.VEHICLE_TABLE.quantities | FLIGHT_COLUMNS.quantities
-    tables = vehicle_file.VEHICLE_TABLE.keys | FLIGHT_COLUMNS.keys
-    key_of = {quantity_and_factor: key for key, quantity_and_factor in tables.items()}
+    kinds = _COLUMNS.quantities
+    key_of = {quantity_and_factor: key for key, quantity_and_factor in _COLUMNS.keys.items()}
     keys = []
     for heading in headings:
         name, unit, factor = heading.quantity, heading.unit, None
@@ -383,6 +388,8 @@ def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
                 f"{source}: {key} must have a value for each of the {len(times)} times, or be one"
                 f" number; got {len(values)}"
             )
+    with naming(source):
+        vehicle_file.check_columns(table.keys(), _COLUMNS)
     return _rows(table, [f"row {i + 1}" for i in range(len(times))])
 
 

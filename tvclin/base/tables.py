@@ -5,6 +5,7 @@ A table is declared once, next to the value that is made of it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -147,23 +148,32 @@ class FileTable:
         """
         return {self.spelled(name).split(" or ")[0]: value for name, value in values.items()}
 
-    def unknown(self, key: str) -> str:
-        """Return the message on an unknown `key`: its missing unit, or similar keys.
+    def similar(self, key: str) -> tuple[list[str], bool]:
+        """Return the keys that an unknown `key` may mean, and whether only its unit is wrong.
 
-        The unit is missing or unknown if the key begins with the name of a quantity, and no other
-        key is more similar. The name of a result (`fields`) is answered with its key in the file.
+        The unit is missing or unknown if the key, written with the unit in brackets too, begins
+        with the name of a quantity, and no other key is more similar. The name of a result
+        (`fields`) is answered with its key in the file.
         """
         keys, words = self.keys, (*self.words, *self.lists)
+        plain = "_".join(re.findall(r"\w+", key.lower()))
         fields = [
-            self.spelled(k) for k, of in self.fields.items() if f"{key}_".startswith(f"{of}_")
+            self.spelled(k) for k, of in self.fields.items() if f"{plain}_".startswith(f"{of}_")
         ]
-        similar = fields or get_close_matches(key, [*words, *keys], n=2, cutoff=0.5)
+        similar = fields or get_close_matches(plain, [*words, *keys], n=2, cutoff=0.5)
         # name of the quantity of the most similar key, "" for a word
         nearest, _ = keys.get(similar[0], ("", 1.0)) if similar else (None, 1.0)
         for name in sorted(self.quantities, key=len, reverse=True):
-            if key == name or (key.startswith(f"{name}_") and nearest in (name, None)):
-                write = self.spelled(name)
-                return f"{key} has no known unit in {self.heading}; write {write}"
+            if plain == name or (plain.startswith(f"{name}_") and nearest in (name, None)):
+                return [self.spelled(name)], True
+        return similar, False
+
+    def unknown(self, key: str) -> str:
+        """Return the message on an unknown `key`: its missing unit, or similar keys."""
+        similar, of_unit = self.similar(key)
+        if of_unit:
+            return f"{key} has no known unit in {self.heading}; write {similar[0]}"
+        words = (*self.words, *self.lists)
         legal = (*words, *(self.spelled(name).split(" or ")[0] for name in self.quantities))
         return f"unknown key in {self.heading}: {shown(key)}; {_hint(similar, legal)}"
 
@@ -186,5 +196,4 @@ def _hint(similar: list[str], legal: Iterable[str]) -> str:
     names = ", ".join(legal)
     if len(names) <= _MAX_LISTED_CHARACTERS:
         return f"known are {names}"
-    first = names[: names.rindex(",", 0, _MAX_LISTED_CHARACTERS)]
-    return f"known are {first}, and more (tvclin init --keys)"
+    return "tvclin init --keys lists the known ones"

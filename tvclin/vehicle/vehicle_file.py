@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from os import PathLike, fspath
@@ -230,19 +230,22 @@ def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle
     return build(**values)
 
 
-def check_columns(keys: Iterable[str], heading: str) -> None:
-    """Raise `InputError` for unknown or missing columns of vehicles; `heading` names their table.
+def check_columns(keys: Collection[str], table: FileTable) -> None:
+    """Raise `InputError` for all unknown and missing columns of vehicles in a `table`.
 
-    `keys`: names of the columns, with units.
+    `keys`: names of the columns, with units. A column that an unknown one may mean is not missing.
     """
-    table, faults = replace(VEHICLE_TABLE, heading=heading), Faults()
+    faults, available = Faults(), []
     for key in keys:
+        possible = [key]
         with faults.collect():
             if key not in table.every_key:
+                possible = table.similar(key)[0]
                 raise InputError(table.unknown(key))
+        available += [k for keys_of_one in possible for k in keys_of_one.split(" or ")]
+    with faults.collect():
+        _check_complete({table.keys[key][0] for key in available if key in table.keys}, table)
     faults.raise_all()
-    names = (table.keys[key][0] for key in keys if key in table.keys)  # without their units
-    _check_complete(set(names), table)
 
 
 def _check_complete(names: Collection[str], table: FileTable) -> None:
@@ -250,14 +253,18 @@ def _check_complete(names: Collection[str], table: FileTable) -> None:
 
     `table`: table of the file, which messages name.
     """
-    if "mass" not in names and "weight" not in names:
-        weight, mass = table.spelled("weight"), table.spelled("mass")
-        raise InputError(f"a key is missing in {table.heading}: {weight}, or {mass}")
-    if "mass" in names and "weight" in names:
-        raise InputError(f"{table.heading} has both a weight and a mass; keep one")
-    table.need({*names, "weight"}, _REQUIRED)
+    faults = Faults()
+    with faults.collect():
+        if "mass" not in names and "weight" not in names:
+            weight, mass = table.spelled("weight"), table.spelled("mass")
+            raise InputError(f"a key is missing in {table.heading}: {weight}, or {mass}")
+        if "mass" in names and "weight" in names:
+            raise InputError(f"{table.heading} has both a weight and a mass; keep one")
     aerodynamic = _AERODYNAMICS.keys() & set(names)  # dynamic pressure, area, coefficients
-    table.need(names, _AERODYNAMICS if aerodynamic else _FORCES)
+    with faults.collect():
+        required = (*_REQUIRED, *table.required, *(_AERODYNAMICS if aerodynamic else _FORCES))
+        table.need({*names, "weight"}, required)
+    faults.raise_all()
 
 
 def vehicle_table(vehicle: Vehicle) -> dict[str, Any]:
