@@ -238,6 +238,9 @@ def test_flight_times_include_both_ends_of_the_flight() -> None:
     document = json.loads(run("ascent", "configuration-i", "--every", "20", "--json").stdout)
     assert document["times_s"] == [44.75, 60.0, 80.0, 100.0, 112.25]
     assert any("first flight time, 44.75 s; before it" in note for note in document["notes"])
+    until = run("ascent", "configuration-i", "--to", "62", "--every", "20").output
+    assert "flight times before 44.75 s are left out" in " ".join(until.split())
+    assert "--from 41 takes them in" in " ".join(until.split())
     given = ("--from", "50", "--to", "51", "--every", "0.1", "--json")
     times = json.loads(run("ascent", "configuration-i", *given).stdout)["times_s"]
     assert times == pytest.approx(np.arange(500, 511) / 10)

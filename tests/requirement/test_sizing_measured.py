@@ -10,6 +10,7 @@ from tvclin.base.lines import text
 from tvclin.base.quantities import WIND_KNOWN
 from tvclin.requirement.flight.sizing_tables import legend, time_tables, wind_columns_table
 from tvclin.requirement.flight.total import total_table
+from tvclin.requirement.required_quantity import heading_of
 from tvclin.winds.soundings.levels import wind_components
 
 EAST = np.radians(90)
@@ -124,6 +125,9 @@ def test_what_is_largest_at_the_first_or_the_last_time_may_be_larger_beyond(flig
     still = tv.FlightSchedule(vehicle.replace(time=[40.0, 90.0]))
 
     assert falls.notes[-1].startswith("largest at the first flight time, 60 s; before it, these")
+    varying = tv.size(flight, wind, times=[80.0, 60.0, 70.0], dead_bands=1.0, varying=True)
+    shown = [heading_of(key.name) for key in varying.required if key.varying and not key.direction]
+    assert varying.notes[-1].endswith(f"may be larger: {'; '.join(shown)}")
     assert "after it" in tv.size(rises, wind, times=[50.0, 60.0]).notes[-1]
     for none in (tv.size(still, wind, times=[50.0, 60.0]), tv.size(flight, wind, times=60.0)):
         assert not [note for note in none.notes if "largest at" in note]

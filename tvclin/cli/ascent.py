@@ -15,7 +15,7 @@ from tvclin.ascent.measured_wind import hundredths
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
-from tvclin.base.lines import Table
+from tvclin.base.lines import Table, listed
 from tvclin.case.case import Case
 from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
 from tvclin.cli.options import (
@@ -349,10 +349,15 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     """
     first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
-    if (request.start is None and begin > first) or (request.stop is None and end < last):
+    left_out = {}  # flight times that no option excluded, by the option that takes them in
+    if request.start is None and begin > first:
+        left_out[f"--from {first:g}"] = f"before {begin:g} s"
+    if request.stop is None and end < last:
+        left_out[f"--to {last:g}"] = f"after {end:g} s"
+    if left_out:
         yield (
-            f"flight times before {begin:g} s and after {end:g} s are left out, for a pulse about"
-            f" them would blow beyond the schedule; --from {first:g} --to {last:g} takes them in"
+            f"flight times {listed(left_out.values())} are left out, for a pulse about them"
+            f" would blow beyond the schedule; {' '.join(left_out)} takes them in"
         )
     starts, stops = sizing.known_times.T  # first and last time at which each wind is known [s]
     earliest, latest = starts.max(), stops.min()

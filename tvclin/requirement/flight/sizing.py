@@ -540,11 +540,14 @@ def _uncovered_notes(sizing: Sizing) -> list[str]:
 def _end_notes(sizing: Sizing) -> list[str]:
     """Return notes on requirements of a sizing that are largest at its first or last time."""
     order = np.argsort(sizing.times)
+    # varying parameters give a wind that is fixed in flight time a single number, not one by time
+    has_fixed = any(np.isfinite(times).any() for times in sizing.arises.values())
+    varying = not has_fixed and any(requirement.varying for requirement in sizing.required)
     ends: dict[str, list[str]] = {}
     for requirement in sizing.required:
-        if requirement.varying or requirement.direction:  # follows the nominal one
+        if requirement.varying != varying or requirement.direction:  # follows the nominal one
             continue
-        name, values = heading_of(requirement.label), sizing.at_times(requirement)[order]
+        name, values = heading_of(requirement.name), sizing.at_times(requirement)[order]
         times, values = sizing.times[order][~np.isnan(values)], values[~np.isnan(values)]
         if times.size < 2:
             continue
@@ -552,8 +555,6 @@ def _end_notes(sizing: Sizing) -> list[str]:
             ends.setdefault(f"first flight time, {times[0]:.6g} s; before", []).append(name)
         if values[-1] > (1.0 + _RELATIVE_TOLERANCE) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
-    # varying parameters give a wind that is fixed in flight time a single number, not one by time
-    has_fixed = any(np.isfinite(times).any() for times in sizing.arises.values())
     frozen = "with the vehicle frozen at each flight time, " if has_fixed else ""
     return [
         f"{frozen}largest at the {end} it, these may be larger: {'; '.join(names)}"
