@@ -115,3 +115,23 @@ def test_a_frozen_requirement_that_is_no_approximation_has_no_row() -> None:
     assert [len(table.rows) for table in whole] == [2, 2]
     assert [len(table.rows) for table in frozen] == [2, 1]
     assert frozen[1].caption.endswith("where that is off by at most 100 % [deg]")
+
+
+def test_a_lower_bound_of_the_frozen_vehicle_that_is_far_off_is_explained() -> None:
+    """At 40 s of a pulse parameters change so much that both bounds part; at 7.5 s they do not."""
+    flight = tv.load_schedule("configuration-i")
+    far, near = (
+        tv.size(
+            flight,
+            tv.TriangularWind(peak=0.09, duration=duration),
+            times=[61.0, 80.0],
+            dead_bands=1.0,
+            varying=True,
+        )
+        for duration in (40.0, 7.5)
+    )
+    ratio = far.required["minimum"][0, 0] / far.required["minimum, varying"][0, 0]
+
+    assert ratio > 1.5
+    assert f"is {ratio:.3g} times the bound with parameters that change" in tables.legend(far)
+    assert "holds for that vehicle alone" not in tables.legend(near)

@@ -11,7 +11,7 @@ from tvclin.base.fields import record_table
 from tvclin.base.lines import Line, Table, degrees, number, significant, text
 from tvclin.base.quantities import NO_FORECAST, QUANTITIES, WIND_KNOWN
 from tvclin.requirement.flight.sizing import STEADY, Sizing
-from tvclin.requirement.required_quantity import Requirement, heading_of
+from tvclin.requirement.required_quantity import MINIMUM, Requirement, heading_of
 
 _MARKS = {
     "1": "beyond the single-pole theory",
@@ -58,7 +58,26 @@ def legend(sizing: Sizing) -> str:
             f"{_FREEZING_ERROR_HEAD.format(first)}: by how much it is larger with the vehicle"
             " frozen at the flight time than with one that changes during the wind."
         )
+    if line := _frozen_bounds_line(sizing):
+        sentences.append(line)
     return " ".join(sentences)
+
+
+def _frozen_bounds_line(sizing: Sizing) -> str:
+    """Return a sentence on the lower bound of the frozen vehicle, where it is off by over a tenth.
+
+    Empty without varying parameters, and where both bounds with the wind known nearly agree.
+    """
+    errors = sizing.freezing_error.get(MINIMUM, np.zeros(0))
+    errors = np.where(np.isfinite(errors), errors, 0.0)
+    if np.abs(errors).max(initial=0.0) <= STEADY:
+        return ""
+    i, j = np.unravel_index(int(np.abs(errors).argmax()), errors.shape)
+    return (
+        "A lower bound of the frozen vehicle holds for that vehicle alone: with the wind known it"
+        f" is {1.0 + errors[i, j]:.3g} times the bound with parameters that change, which counts"
+        f" (in {sizing.winds[j]} at {sizing.times[i]:.6g} s)."
+    )
 
 
 def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -> list[Table]:
