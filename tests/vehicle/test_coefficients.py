@@ -150,11 +150,15 @@ def test_each_coefficient_must_be_real_and_finite(name, bad):
         Coefficients(**{"mu_alpha": 0.25, "mu_delta": 2.0, name: bad})
 
 
-def test_a_control_without_moment_and_a_negative_q_are_refused():
+@pytest.mark.parametrize("name", ["q", "damping", "velocity"])
+def test_a_negative_square_damping_or_speed_is_refused(name):
+    with pytest.raises(InputError, match=f"^{name} must be zero or positive"):
+        Coefficients(**{"mu_alpha": 0.25, "mu_delta": 2.0, name: -1e-9})
+
+
+def test_a_control_without_moment_is_refused():
     with pytest.raises(InputError, match=r"^mu_delta must be other than zero"):
         Coefficients(mu_alpha=0.25, mu_delta=0.0)
-    with pytest.raises(InputError, match=r"^q must be zero or positive"):
-        Coefficients(mu_alpha=0.25, mu_delta=2.0, q=-1e-9)
 
 
 @pytest.mark.parametrize("size", [1e18, -1e18])
@@ -178,6 +182,12 @@ def test_two_coefficients_alone_leave_the_path_fixed_and_make_no_drift():
     plant = tvclin.Plant.from_coefficients(c, "drift-and-speed")
     np.testing.assert_array_equal(plant.denominator, [1.0, 0.0, -0.25, 0.0, 0.0])  # s^2 (s^2 - mu)
     assert c.K1 == 1.0
+
+
+def test_two_coefficients_alone_have_no_damping_and_no_speed():
+    c = Coefficients(mu_alpha=0.25, mu_delta=2.0)
+    assert (c.damping, c.velocity) == (0.0, 0.0)
+    assert ">Coefficients<" in c._repr_html_()  # and no name
 
 
 def test_lists_become_arrays_and_numbers_floats():
