@@ -75,16 +75,17 @@ class WindAlong:
         `InputError` for times outside the flight or the wind.
         """
         flight_interval = flight.between(start, stop)
-        ends = np.clip(flight_interval.span, *self.known).tolist()
-        for name, requested, end in zip(("start", "stop"), (start, stop), ends, strict=True):
+        known_from, known_to = self.known
+        first, last = np.clip(flight_interval.span, known_from, known_to).tolist()
+        for name, requested, end in (("start", start, first), ("stop", stop, last)):
             if requested is not None and requested != end:
                 raise InputError(
-                    f"{name} must be between {self.known[0]:.6g} and {self.known[1]:.6g} s, where"
+                    f"{name} must be between {known_from:.6g} and {known_to:.6g} s, where"
                     f" the wind is known; got {requested:.6g} s"
                 )
-        if not ends[0] < ends[1]:
+        if not first < last:
             raise InputError("the wind must be known at times of the flight; it is at none of them")
-        return ends[0], ends[1]
+        return first, last
 
 
 def wind_along(

@@ -555,10 +555,7 @@ def planar_outputs(
 ) -> tuple[FloatArray, FloatArray]:
     """Return n times [s] and the `OUTPUTS` of a flight at them, ``(5, n)``, without python-control.
 
-    `control`: deflection history, law, autopilot, or the report's control. `deflection_limit`,
-    `rate_limit`: limits of deflection [rad] and rate [rad/s]. `drift`: whether the path may turn.
-    `condition`: with it, parameters vary along the nominal flight. Same exceptions and warnings as
-    `fly_planar`.
+    Same parameters, exceptions and warnings as `fly_planar`.
     """
     times = times_row("timepts", timepts)
     span = (float(times.min()), float(times.max()))

@@ -326,7 +326,7 @@ def _release_time(
     It does so where the attitude is zero again, if the flight has ended at the limit: the held
     limit would turn the vehicle over to the other side. `times`: times of the flight [s], ``(n,)``.
     `rows`: its outputs [rad, rad/s], ``(5, n)``, attitude first and deflection last, which are set
-    to NaN after the release. `limit`: deflection limit [rad].
+    to NaN after the release. `limit`: deflection limit [rad]. `plant`, `wind`: of the flight.
     """
     finite = np.flatnonzero(np.isfinite(rows[0]))
     if not finite.size or abs(rows[-1, finite[-1]]) < limit * (1.0 - _LIMIT_TOLERANCE):

@@ -312,18 +312,19 @@ def _draw_levels(axes: Any, upper: list[Mark], lower: list[Mark]) -> None:
     them, in the order aero, gain-increase and phase margin. The first two are drawn in magnitude,
     the last in phase, to the nearest phase of L = -1.
     """
-    low, high = axes[1].get_ylim()
-    axes[1].set_ylim(min(low, -195.0), max(high, -165.0))
-    axes[1].yaxis.set_major_locator(_degree_locator(axes[1].get_ylim()))
-    axes[0].set(ylabel="magnitude of L [dB]", xlabel="")
-    axes[1].set(ylabel="phase of L [deg]", xlabel="frequency [rad/s]")
-    for panel, level in ((axes[0], 0.0), (axes[1], -180.0)):
+    magnitude, phase = axes
+    low, high = phase.get_ylim()
+    phase.set_ylim(min(low, -195.0), max(high, -165.0))
+    phase.yaxis.set_major_locator(_degree_locator(phase.get_ylim()))
+    magnitude.set(ylabel="magnitude of L [dB]", xlabel="")
+    phase.set(ylabel="phase of L [deg]", xlabel="frequency [rad/s]")
+    for panel, level in ((magnitude, 0.0), (phase, -180.0)):
         fine_grid(panel)
         panel.axhline(level, **_LINE)
-    for panel, marks in ((axes[0], upper[:2]), (axes[1], lower[2:3])):
+    for panel, marks in ((magnitude, upper[:2]), (phase, lower[2:3])):
         for mark in marks:
             turns = round((mark.y + 180.0) / 360.0) if np.isfinite(mark.y) else 0
-            level = 0.0 if panel is axes[0] else 360.0 * turns - 180.0
+            level = 0.0 if panel is magnitude else 360.0 * turns - 180.0
             panel.plot([mark.x] * 2, [level, mark.y], color=mark.colour, lw=2.2, zorder=3)
 
 
@@ -361,6 +362,7 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
     samples = sampled("nyquist_chart", autopilot, plant)
     response = _nyquist(samples)
     figure, panels = plt.subplots(1, 2, figsize=(12.0, 6.6), layout="constrained")
+    whole, near = panels
 
     def point(omega: float) -> tuple[float, float]:
         """Return real and imaginary part of L at a frequency `omega` [rad/s]."""
@@ -386,21 +388,21 @@ def nyquist_chart(autopilot: Autopilot | Loop, plant: AnyPlant | None = None) ->
         lines += [line for group in drawn.lines.flat for line in group if line is not None]
         axes.set(xlabel="real part of L [-]", ylabel="imaginary part of L [-]")
         axes.margins(0.08)
-        axes.set_aspect("equal", adjustable="datalim" if axes is panels[0] else "box")
-    panels[0].set_title("the whole curve; dashed: negative frequencies", fontsize="medium")
-    panels[1].set_title("near -1", fontsize="medium")
-    _frame_critical_point(panels[1], samples, marks)
+        axes.set_aspect("equal", adjustable="datalim" if axes is whole else "box")
+    whole.set_title("the whole curve; dashed: negative frequencies", fontsize="medium")
+    near.set_title("near -1", fontsize="medium")
+    _frame_critical_point(near, samples, marks)
     for axes in panels:
         fine_grid(axes)
         lines += draw_marks(axes, [*marks, Mark(-1.0, 0.0, shape="X", name="L = -1")])
     figure.suptitle(
         literal(f"Nyquist diagram: {_encirclements_text(response, samples)}\n{samples.words}")
     )
-    handles, labels = panels[1].get_legend_handles_labels()
+    handles, labels = near.get_legend_handles_labels()
     # the first entry is the curve of python-control
     figure.legend(handles[1:], labels[1:], loc="outside lower center", ncols=2)
-    distant = [numbered(mark, not mark.inside(panels[1])) for mark in marks]
-    write_numbers((panels[0], distant), (panels[1], marks))
+    distant = [numbered(mark, not mark.inside(near)) for mark in marks]
+    write_numbers((whole, distant), (near, marks))
     return control_plot(lines, panels, _nyquist_curves(response, samples))
 
 

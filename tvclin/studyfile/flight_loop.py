@@ -381,7 +381,7 @@ class FlightLoop:
         return tuple(SIGNS) if head_and_tail else (self.plan.sign,)
 
     def _omitted(self, case: _Wind) -> str:
-        """Return why survival in a wind is not known throughout, in words; empty if it is.
+        """Return why survival in a wind `case` is not known throughout, in words; empty if it is.
 
         The flight may omit the structure of the vehicle; or go beyond a sounding, or cross its
         gaps, between the first and the last time of the sizing, by default of the flight.
@@ -556,7 +556,7 @@ class FlightsOfLoop:
                 "the largest values are until attitude or angle of attack exceed"
                 f" {np.degrees(MAX_LINEAR_ANGLE):.0f} deg"
             )
-        pulses = [(o.time, o.status) for o in self.outcomes if o.time is not None]
+        pulses = [(flown.time, flown.status) for flown in self.outcomes if flown.time is not None]
         late = [time for time, status in pulses if status == "undecided"]
         settled = [time for time, status in pulses if status != "undecided"]
         if settled and late and min(late) > max(settled):

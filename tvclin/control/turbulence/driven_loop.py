@@ -554,9 +554,9 @@ def check_single(
 
     `autopilot`, `plant`, `loads`: the arguments that must be single.
     """
-    batches = autopilot.batch, plant.batch, () if loads is None else loads.batch
-    if any(batches):
+    of_loads = () if loads is None else loads.batch
+    if autopilot.batch or plant.batch or of_loads:
         raise errors.InputError(
-            f"{function}() is for one autopilot and one plant; got batches of shape {batches[0]}"
-            f" and {batches[1]}, loads {batches[2]} (see turbulence_along)"
+            f"{function}() is for one autopilot and one plant; got batches of shape"
+            f" {autopilot.batch} and {plant.batch}, loads {of_loads} (see turbulence_along)"
         )

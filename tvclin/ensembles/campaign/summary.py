@@ -228,7 +228,7 @@ class CampaignSummary(Shown):
         The second has a row for each of some numbers of first cases: the quantile of the sample and
         its bounds with the confidence, not below and not above which that of all cases lies.
         """
-        plan, r = self.results.campaign, self.required
+        plan, required = self.results.campaign, self.required
         planes = f", both planes, {plan.nozzle.limit_shape} stop" if plan.planes == BOTH else ""
         caption = (
             f"{plan.vehicle.name or 'vehicle'}, {plan.model}{planes}: {column_label(self.output)}"
@@ -244,7 +244,8 @@ class CampaignSummary(Shown):
             for quantile in self.convergence
         )
         converges = (
-            f"Convergence of {100 * r.probability:g} %, each bound {100 * r.confidence:g} % sure"
+            f"Convergence of {100 * required.probability:g} %,"
+            f" each bound {100 * required.confidence:g} % sure"
         )
         head = ("cases", "not below", "sample", "not above")
         return quantities(caption, self._rows()), Table(converges, head, rows)

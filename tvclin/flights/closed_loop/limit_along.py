@@ -119,12 +119,13 @@ def _largest_trim(along: FlownFlight) -> float:
     `NotKnownError` for a wind beyond linear aerodynamics.
     """
     wind: WindAlong = along.wind
+    _begin, schedule_end = along.flight.span
     times = np.maximum(wind.history.probe_times(), along.start)
     if not along.goes_on:
         times = np.minimum(times, along.stop)
     angles = np.abs(wind.history(times))
     checked_linear(float(angles.max()))
-    within = np.minimum(times, along.flight.span[1])
+    within = np.minimum(times, schedule_end)
     coefficients: Any = along.flight.plants(within, along.model, along.plane).coefficients
     largest = float((np.abs(coefficients.B) * wind.pressure(times) * angles).max())
     if not largest > 0.0:

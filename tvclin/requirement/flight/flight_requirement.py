@@ -527,8 +527,9 @@ def requirements_along(
         for first in range(0, len(members), batch_size):
             index, batch = zip(*members[first : first + batch_size], strict=True)
             flight = mode if whole else mode.until_stable
-            r = varying_requirement(flight, batch, dead_band)
-            columns = r.required, r.minimum, r.fastest_minimum, r.time
+            of_batch = varying_requirement(flight, batch, dead_band)
+            names = "required", "minimum", "fastest_minimum", "time"
+            columns = [getattr(of_batch, name) for name in names]
             result[list(index)] = np.stack(columns, axis=-1)
     return result
 

@@ -227,9 +227,10 @@ def _frames(answer: Answer, data: dict[str, tuple[Any, Any]]) -> dict[str, tuple
     c = answer.choices
     limit, wind_end = float(np.degrees(c.limit)), c.wind.duration
     time, attitude = (np.asarray(array) for array in data["attitude.attitude"])
-    shown = [*np.abs(attitude[time <= wind_end]), *np.abs(data["attitude.wind"][1])]
+    ordinates = {name: ordinate for name, (_, ordinate) in data.items()}
+    shown = [*np.abs(attitude[time <= wind_end]), *np.abs(ordinates["attitude.wind"])]
     tall = round_up(min(_FRAME_OVER_ATTITUDE * max(shown, default=1.0), _MAX_ATTITUDE_DEG))
-    required = max([limit, *data["boundary.curve"][1], *data["boundary.point"][1]])
+    required = max([limit, *ordinates["boundary.curve"], *ordinates["boundary.point"]])
     span = (0.0, round_up(max(float(time[-1]) if time.size else wind_end, 1.0)))
     deflection = round_up(1.05 * limit)
     return {
