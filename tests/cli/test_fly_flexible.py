@@ -97,6 +97,7 @@ def test_a_mode_that_is_not_held_rings_and_has_not_survived(mine):
     assert verdict in " ".join(result.output.split())
     more = run(mine, *GAINS, "--limit-deg", 0.45, "--more").output
     assert "Flexible vehicle (--set study.rigid true: without): 1 bending mode, 1 tank" in more
+    assert more.count("Flexible vehicle (") == 1
     without = run(mine, *GAINS)
     assert without.exit_code == 1
     assert without.stdout.startswith("Autopilot requirement: NOT KNOWN, the closed loop is unst")

@@ -23,6 +23,7 @@ from tvclin.cli.margins import (
     mode_notes,
     print_autopilot,
     print_bounds,
+    print_parts,
 )
 from tvclin.cli.options import (
     GAINS,
@@ -468,6 +469,7 @@ class _Answer:
 
         def details() -> None:
             """Print autopilot, margins, bounds, the search for gains, and the rules of a box."""
+            print_parts(self.case.plant)
             print_autopilot("Autopilot", self.margins.autopilot, self.case.plant)
             print_tables(*margin_tables(self.margins))
             if self.margins.whole.stable:

@@ -19,7 +19,7 @@ from tvclin.case.flexible_autopilot import with_filters
 from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear, worst_of
 from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_autopilot, fly_linear
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, note_single_time, only_with
-from tvclin.cli.margins import parts_line
+from tvclin.cli.margins import print_parts
 from tvclin.cli.options import (
     GROUP,
     LIMIT,
@@ -341,8 +341,7 @@ class _Answer:
             `others`: all tables of limits but the first, which is printed above.
             """
             print_tables(*others, load_table(self.trials))
-            if self.plant.structure is not None:
-                say(parts_line(self.plant.structure))
+            print_parts(self.plant)
             say(f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {rate}, {engine}")
             say(scan_text(self.trials))
 

@@ -33,6 +33,7 @@ from tvclin.cli.margins import (
     poles_document,
     print_autopilot,
     print_bounds,
+    print_parts,
 )
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_answer, print_json, print_tables, say
@@ -474,8 +475,11 @@ class AutopilotFlight:
             say(f"In this wind the autopilot uses {uses}.")
             rows = [*self.compared.motions(), *self._further_rows()]
             print_tables(quantities("In this wind", rows))
-        for line in self.flight.setting_lines if self.flight is not None else ():
-            say(line)
+        if self.flight is None:
+            print_parts(self.compared.plant)
+        else:
+            for line in self.flight.setting_lines:  # with the parts of a flexible vehicle
+                say(line)
         print_autopilot("Autopilot", self.compared.autopilot, self.compared.plant)
         if stable:
             print_bounds(self.compared.autopilot, self.compared.plant)

@@ -144,16 +144,20 @@ def mode_notes(result: JudgedMargins) -> Iterator[str]:
 
 
 def print_autopilot(title: str, autopilot: Autopilot, plant: AnyPlant) -> None:
-    """Print an autopilot, with the poles of its loop and the parts of a flexible vehicle.
+    """Print an autopilot, with the poles of its loop.
 
     `title`: caption of the table. `plant`: plant of the loop.
     """
     rows = autopilot.rows()
-    if plant.structure is not None:
-        say(parts_line(plant.structure))
     label = "closed-loop poles" if autopilot.sample_rate is None else "closed-loop poles, log(z)/h"
     rows.append((f"{label} [1/s]", (_poles(autopilot, plant),)))
     print_tables(quantities(title, rows), *autopilot.filter_tables())
+
+
+def print_parts(plant: AnyPlant) -> None:
+    """Print the line that lists the parts of a flexible vehicle; nothing for a rigid `plant`."""
+    if plant.structure is not None:
+        say(parts_line(plant.structure))
 
 
 def parts_line(structure: Structure) -> str:
@@ -432,6 +436,7 @@ class _Answer:
             """Print the stability of detuned modes, the autopilot, and bounds on any margins."""
             if self.detuned is not None:
                 say_lines(self.detuned.stability_lines)
+            print_parts(case.plant)
             print_autopilot("Autopilot", loop.autopilot, case.plant)
             if loop.whole.stable:
                 print_bounds(loop.autopilot, case.plant)
