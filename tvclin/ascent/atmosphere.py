@@ -24,8 +24,9 @@ HIGHEST = 86_000.0
 """Highest altitude [m]."""
 LOWEST = -5_000.0
 """Lowest altitude [m], to which the first layer is continued."""
-_MAX_PRESSURE_ERROR = 0.1
-"""Largest relative difference of a dynamic pressure from that in standard air without a note."""
+_MAX_PRESSURE_ERROR, _SURELY_ANOTHER_UNIT = 0.1, 0.5
+"""Largest relative difference of a dynamic pressure from standard air without a note, and the
+smallest that another atmosphere does not explain."""
 _CONTINUATION = 14_000.0
 """Height [m] over which both ends of the range are continued; beyond it the air is constant."""
 _EARTH_RADIUS = 6_356_766.0
@@ -97,10 +98,11 @@ def pressure_notes(
     excess = np.abs(pressure / np.maximum(standard, np.finfo(float).tiny) - 1.0)
     worst = int(np.argmax(excess))
     if excess[worst] > _MAX_PRESSURE_ERROR:
+        doubt = "a unit" if excess[worst] > _SURELY_ANOTHER_UNIT else "the altitude or its unit"
         at = "" if np.isnan(times[worst]) else f" at {times[worst]:.6g} s"
         yield ImplausibleInput(
             f"the dynamic pressure{at} is {pressure[worst]:.4g} Pa, and speed and altitude give"
-            f" {standard[worst]:.4g} Pa in the standard atmosphere: a unit may be wrong"
+            f" {standard[worst]:.4g} Pa in the standard atmosphere: {doubt} may be wrong"
         )
 
 
