@@ -1,19 +1,21 @@
 """A sizing as tables: a number has the same digits in a terminal, in a notebook and on a page."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.pages import section
-from tvclin.base.lines import Number
+from tvclin.base.lines import Number, text
 from tvclin.cli.app import app
 from tvclin.requirement.flight import sizing_tables as tables
 from tvclin.requirement.flight.total import total_table
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.read import load_study
 
+FOLDER = Path(__file__).parents[1] / "soundings"
 TEXT = """
 [study]
 vehicle = "configuration-i"
@@ -135,3 +137,19 @@ def test_a_lower_bound_of_the_frozen_vehicle_that_is_far_off_is_explained() -> N
     assert ratio > 1.5
     assert f"is {ratio:.3g} times the bound with parameters that change" in tables.legend(far)
     assert "holds for that vehicle alone" not in tables.legend(near)
+
+
+def test_a_sounding_beside_a_pulse_has_no_columns_of_head_and_tail_wind(tmp_path) -> None:
+    """Where it is not known, the flight data are not said to cover it."""
+    sounding = (FOLDER / "wyoming.txt").read_text()
+    (tmp_path / "wyoming.txt").write_text(sounding)
+    second = '[[wind]]\nsounding = "wyoming.txt"\nazimuth_deg = 90\n[nozzle]'
+    path = tmp_path / "s.toml"
+    path.write_text(TEXT.replace("[nozzle]", second).replace("varying = true", "varying = false"))
+    plan = load_study(path)
+    sizing = plan.sizing.sizing(plan)
+    pulse, balloon = (tables.time_tables(sizing, next(iter(sizing.required)), j)[0] for j in (0, 1))
+
+    assert {"head wind", "tail wind"} <= set(pulse.head)
+    assert not {"head wind", "tail wind"} & set(balloon.head)
+    assert [text(row[-1]) for row in balloon.rows] == ["yes", "no", "no"]

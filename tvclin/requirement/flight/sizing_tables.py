@@ -29,7 +29,7 @@ _MAX_FREEZING_ERROR = 1.0
 COLUMNS = (
     "Change: relative change of beta or B during the wind; above"
     f" {100 * STEADY:g} % a frozen vehicle is doubtful. One pole: whether the slow motion of the"
-    " flight path may be neglected. Data: whether the flight data cover the whole wind."
+    " flight path may be neglected. Data: whether the wind is known, and the flight data cover it."
 )
 """Definitions of the columns of validity, in sentences."""
 
@@ -97,6 +97,8 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
         if not (requirement.varying or requirement.direction)
     ]
     first = _first_requirements(sizing)
+    if wind is not None:
+        first = [requirement for requirement in first if _counts(sizing, requirement, wind)]
     suffix = "" if wind is None else f": {sizing.winds[wind]}"
     # heads and cells of the last columns, on how far a number of the first table is valid
     validity = ("",) if wind is None else ("change [%]", "one pole", "data")
@@ -169,7 +171,9 @@ def fixed_wind_table(sizing: Sizing, wind: int) -> Table:
     """
     name = sizing.winds[wind]
     arising = {
-        k: x for k, x in sizing.worst_in(name).items() if not np.isnan(sizing.arising(k)[wind])
+        k: x
+        for k, x in sizing.worst_in(name).items()
+        if not np.isnan(sizing.arising(k)[wind]) and _counts(sizing, k, wind)
     }
     return record_table(
         f"Required deflection over the whole flight: {name}",
@@ -251,6 +255,19 @@ def _first_requirements(sizing: Sizing) -> list[Requirement]:
     return varying if sizing.freezing_error else list(sizing.required)
 
 
+def _counts(sizing: Sizing, requirement: Requirement, wind: int) -> bool:
+    """Return whether a requirement in a wind of a sizing is not its nominal one once more.
+
+    A sounding has its own direction: its requirement in a head or a tail wind is the nominal one.
+    `wind`: index of the wind.
+    """
+    nominal = replace(requirement, direction="")
+    if requirement == nominal or nominal not in sizing.required:
+        return True
+    values, nominal_values = (sizing.required[k][:, wind] for k in (requirement, nominal))
+    return not np.array_equal(values, nominal_values, equal_nan=True)
+
+
 def _required(
     sizing: Sizing, names: Sequence[Requirement], wind: int | None
 ) -> list[tuple[Line, ...]]:
@@ -275,12 +292,13 @@ def _validity_cells(sizing: Sizing, i: int, wind: int | None) -> list[Line]:
 
     In one wind they are the relative change of beta (rate of the attitude) or B (trim deflection
     per angle of attack) during the wind [%], whether a single pole is sufficient, and whether the
-    schedule covers the wind; in the worst wind a cell of marks. `i`: index of the flight time.
-    `wind`: index of a wind, None for the worst.
+    wind is known and the schedule covers it; in the worst wind a cell of marks. `i`: index of the
+    flight time. `wind`: index of a wind, None for the worst.
     """
     if wind is not None:
         change = number(f"{_key(i, wind)}.change_percent", 100.0 * sizing.change[i, wind], 1)
-        single_pole, data = not sizing.beyond_single_pole[i, wind], sizing.covered[i, wind]
+        single_pole = not sizing.beyond_single_pole[i, wind]
+        data = sizing.covered[i, wind] and sizing.known[i, wind]
         return [change, ("yes" if single_pole else "no",), ("yes" if data else "no",)]
     return [(_marks(sizing, i),)]
 
