@@ -371,6 +371,15 @@ def test_a_study_file_asks_for_the_card_and_counts_the_rate(tmp_path, limit, rat
     assert ("rate along the flight" in computed) is (rate > 1.0)
 
 
+def test_a_limit_with_which_no_rate_is_sufficient_is_not_blamed_on_the_rate(tmp_path) -> None:
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY.format(limit=0.2, rate=5.0, torque=3e4))
+    computed = {question.name: question for question in questions(find(tv.load_study(file)))}
+    assert "rate along the flight" not in computed
+    assert computed["whole flight"].yes is False
+    assert computed["whole flight"].measure.unit == "deg"
+
+
 @pytest.mark.thorough
 def test_a_flight_that_cannot_be_judged_does_not_head_the_page_as_not_sufficient(tmp_path):
     write(tmp_path / "pad.csv")

@@ -347,24 +347,22 @@ def _flight_rate(findings: Findings) -> Iterator[Question]:
     """Yield the question whether the rate limit covers the required rate along the flight.
 
     `findings`: results of a plan with a flight. Nothing is yielded where the rate alone is
-    insufficient, which the question of the whole flight says. The rate is that of a ramp to the
-    required deflection; NaN where it is not known, infinite where none is sufficient.
+    insufficient, or no rate is sufficient with the limit: the question of the whole flight says so.
+    The rate is that of a ramp to the required deflection; NaN where it is not known.
     """
     _, total = findings.flight or (None, None)  # sizing, and its worst total
     limit = findings.study.limit
     if not total or total.rate_limit is None:
         return
-    if total.too_slow and limit is not None and covers(limit, total.required):
+    only_rate = limit is not None and covers(limit, total.required)
+    if total.too_slow and (only_rate or np.isinf(total.needed_rate)):
         return
     if np.isnan(total.needed_rate):
         yield Question(_FLIGHT_RATE, None, ("not known along the flight",))
         return
-    none = np.isinf(total.needed_rate)
-    line = (
-        "no rate is sufficient with this limit" if none else f"{OF_RAMP}, at the worst flight time"
-    )
+    line = (f"{OF_RAMP}, at the worst flight time",)
     measure = _of_angles(total.needed_rate, total.rate_limit, "deg/s")
-    yield Question(_FLIGHT_RATE, not total.too_slow, (line,), measure=measure)
+    yield Question(_FLIGHT_RATE, not total.too_slow, line, measure=measure)
 
 
 def _duty_question(findings: Findings) -> Iterator[Question]:
