@@ -334,7 +334,7 @@ def test_several_soundings_have_a_fraction_and_a_row_each(folder) -> None:
     assert result.exit_code == 1
     printed = " ".join(result.stdout.split())
     assert printed.startswith("NOT SURVIVED with 0.400 deg in 1 of 2 winds: 2024-01-02T00,")
-    assert "50.00 % (2.53 to 97.47 %, two-sided 90 %) of 2 winds survived" in printed
+    assert "; 1 of 2 winds survived, 50.00 % (2.53 to 97.47 %, two-sided 90 %)" in printed
     assert max(map(len, result.output.partition("study.toml")[2].splitlines()[1:10])) <= 80
 
 
@@ -471,7 +471,7 @@ def test_a_pulse_at_the_end_of_the_flight_settles_on_the_vehicle_of_its_end(fold
 def test_the_duty_of_a_flight_without_a_name_has_that_of_its_file(folder) -> None:
     words = ("--from", "60", "--to", "60", "--limit-deg", "5")
     result = run("nozzle", folder / "plain.csv", *PULSE, *words)
-    assert "plain.csv, trim flown" in result.stdout
+    assert "plain.csv, pitch, trim flown" in result.stdout
 
 
 @pytest.mark.thorough

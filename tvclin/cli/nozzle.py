@@ -44,7 +44,7 @@ from tvclin.requirement.case_requirement import CaseRequirement, study_requireme
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.studyfile.read import is_flight
 from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.vehicle.coefficients import BOTH
+from tvclin.vehicle.coefficients import BOTH, PLANE_TEXTS
 from tvclin.winds.wind_angles import beyond_linear
 
 if TYPE_CHECKING:
@@ -476,7 +476,8 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     if shown.csv is not None:
         duty.to_csv(shown.csv)
     sheet, *further = duty.tables()
-    sheet = replace(sheet, caption=f"{duty.vehicle or source}, {law} flown\n{sheet.caption}")
+    name = f"{duty.vehicle or source}, {PLANE_TEXTS[case.planes]}"
+    sheet = replace(sheet, caption=f"{name}, {law} flown\n{sheet.caption}")
     answer(
         shown.as_json,
         lambda: duty.as_dict() | {"notes": notes},

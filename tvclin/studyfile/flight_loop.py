@@ -577,10 +577,15 @@ class FlightsOfLoop:
         A wind of one shape must be survived at every flight time. What is not known counts as not
         survived.
         """
-        diverged = {outcome.wind for outcome in self.outcomes if not outcome.survived}
         if self.wind_count < _MIN_WINDS:
             return None
-        return success_probability(self.wind_count - len(diverged), self.wind_count)
+        return success_probability(self._survived_count, self.wind_count)
+
+    @property
+    def _survived_count(self) -> int:
+        """Number of winds that are survived at every flight time."""
+        lost = {outcome.wind for outcome in self.outcomes if not outcome.survived}
+        return self.wind_count - len(lost)
 
     def document(self) -> dict[str, Any]:
         """Return the flights and the largest outputs of the worst, in SI units, for JSON."""
@@ -620,7 +625,8 @@ class FlightsOfLoop:
         if worst.survived is not True:
             why = f": {worst.label}, {worst.reason}"
         if self.fraction is not None:
-            why += f"; {text(self.fraction.line('survived'))} of {self.wind_count} winds survived"
+            survived = f"{self._survived_count} of {self.wind_count} winds survived"
+            why += f"; {survived}, {text(self.fraction.line('survived'))}"
         return f"{survival(self.survived)} with {limit} {self._in_winds}{why}"
 
     def table(self, rows: int | None = None) -> Table:
