@@ -82,6 +82,8 @@ def test_a_gust_by_its_speed_is_that_of_the_library(station) -> None:
     )  # fmt: skip
     said = list(document["towards"][0]["placard_deg"].values())
     assert said == pytest.approx(np.degrees(result.placard()[0]).tolist(), rel=1e-12)
+    printed = " ".join(run(station, *EAST, *given[:-1], "--more").stdout.split())
+    assert ", with a gust of 9 m/s and 2 s" in printed
 
 
 def test_one_month_is_that_month(station) -> None:

@@ -240,7 +240,7 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     limit = 1.001 * needed[doubted][0]
     near = tv.availability(flight, rough, limit=limit, **PITCH)
     assert near.required[doubted][0] == pytest.approx(needed[doubted][0], rel=EDGE)
-    assert any("were flown with trim" in note for note in near.notes)
+    assert any("flown with trim: " in note for note in near.notes)
     between = result.with_limit(1.001 * result.lower[doubted][0])
     assert "was not flown" in np.array(between.why)[doubted][0]
     # so what one sounding asks for depends on the limit

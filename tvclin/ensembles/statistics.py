@@ -342,7 +342,7 @@ class SurvivalFraction(Shown):
             *number("availability.flown", self.flown, 0),
             " of ",
             *number("availability.judged", self.judged, 0),
-            " soundings survived",
+            f" {'sounding' if self.judged == 1 else 'soundings'} survived",
             *((", ", *unknown) if self.unknown else ()),
             ": ",
             *(*percent["part"], " %"),

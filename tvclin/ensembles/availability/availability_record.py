@@ -13,7 +13,7 @@ from tvclin.base import errors
 from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import Column, Columns, Shown, Tabled, card
 from tvclin.base.fields import derived, document, spec
-from tvclin.base.lines import Line, Table, degrees, minimum_limit, text
+from tvclin.base.lines import Line, Table, degrees, minimum_limit, plural, text
 from tvclin.base.lines import number as number_cell
 from tvclin.ensembles.availability.judge import Judge
 from tvclin.ensembles.statistics import survival_fraction
@@ -437,7 +437,7 @@ def limit_line(record: Availability) -> Line:
 
 
 def archive_words(record: Availability) -> str:
-    """Return a sentence with azimuth [deg], number, station and dates of the soundings.
+    """Return a sentence with azimuth [deg], number, station and dates of the soundings, and gust.
 
     `record`: availability for a single azimuth.
     """
@@ -445,8 +445,9 @@ def archive_words(record: Availability) -> str:
     first, last = record.soundings.times[[0, -1]].astype("datetime64[D]")
     station = record.soundings.station or "an archive"
     return (
-        f"The vehicle flies towards {azimuth} deg through each of the {len(record.soundings)} winds"
-        f" of {station} from {first} to {last}."
+        f"The vehicle flies towards {azimuth} deg through each of the"
+        f" {plural(len(record.soundings), 'wind')} of {station} from {first} to {last}"
+        f"{record.judge.additions.gust_text}."
     )
 
 

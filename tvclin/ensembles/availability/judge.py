@@ -17,6 +17,7 @@ import numpy as np
 
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.base.lines import plural
 from tvclin.ensembles.availability.marched_winds import Additions, MarchedWinds, PlaneMarch
 from tvclin.ensembles.availability.sounding_winds import (
     FlightPath,
@@ -230,8 +231,8 @@ class Judge:
         lower = np.where(below & survive, limit, lower)
         if count := int(np.sum((between & (bounds.wind_known | survive)).any(axis=0))):
             notes.append(
-                f"{count} soundings whose trim reaches the limit more than once were flown with"
-                " trim"
+                f"flown with trim: {plural(count, 'sounding')} whose trim reaches the limit more"
+                " than once"
             )
         if count := int(np.sum((below & survive).any(axis=0))):
             notes.append(

@@ -48,6 +48,15 @@ class Additions:
         return self.grown(height) + abs(self.gust_speed or 0.0)
 
     @property
+    def gust_text(self) -> str:
+        """Text on size and duration of the gust, ", with a gust of 9 m/s and 2 s"; else empty."""
+        if self.gust is None:
+            return ""
+        angle, speed = f"{np.degrees(self.gust.peak):.4g} deg", self.gust_speed
+        size = angle if speed is None else f"{speed:.4g} m/s"
+        return f", with a gust of {size} and {self.gust.end - self.gust.onset:.4g} s"
+
+    @property
     def symmetric(self) -> bool:
         """Whether nothing is added to the winds, so that both signs of them require the same."""
         return self.growth is None and self.gust is None
