@@ -52,6 +52,7 @@ def test_triangular_winds_have_the_limit_of_eq_12():
         boundary.switch_time, expected * DEAD_BANDS / 2 * TAU_BETA / BETA, rtol=1e-11
     )
     assert np.all(boundary.status == "ok")
+    assert type(boundary_limit(plant_of(), sampled()).status) is str
 
 
 def test_triangular_winds_with_drift_have_the_limit_of_eq_18():
@@ -404,6 +405,8 @@ def test_where_the_demand_jumps_every_limit_above_the_first_pulse_is_sufficient(
         ([-1.0, 0.5 + 0.3j, 0.5 - 0.3j], 0.5, True),
         ([1.0, 1.0 - 0.9e-4, -2.0], 1.0, True),
         ([1.0, 1.0 - 1.1e-4, -2.0], 1.0, False),
+        ([0.5, 0.5 * (1.0 - 0.9e-4), -2.0], 0.5, True),
+        ([0.5, 0.5 * (1.0 - 1.1e-4), -2.0], 0.5, False),
         ([1.0, 0.2, 0.1], 1.0, False),
         ([0.2, -0.1 + 0.3j, -0.1 - 0.3j], 0.2, False),
         ([-1.0, -0.1 + 0.3j, -0.1 - 0.3j], np.nan, False),
@@ -417,6 +420,20 @@ def test_a_pair_counts_from_a_twentieth_of_the_rate_and_real_poles_that_are_toge
     result = leading_pole(Plant.from_coefficients(c, "drift-exact"))
     np.testing.assert_allclose(result[0], rate, rtol=1e-10)
     assert result[1] == paired
+
+
+def test_where_a_pair_counts_the_limit_is_the_largest_trim_over_the_dead_band():
+    # (s - 0.3)(s^2 - 0.4 s + 0.2), with q = 0: trim is the wind after (s + b2)/(s + b1)
+    c = Coefficients(mu_alpha=-0.32, mu_delta=-2.0, C1=-0.7, C2=-0.06, **DRIFT)
+    plant = Plant.from_coefficients(c, "drift-exact")
+    boundary = boundary_limit(plant, sampled(-0.08), [1.0, 0.4, 0.0], "literal")
+    trims = [float(trim_at(t, *DRIFT.values())) for t in TIME]  # between them trim has no extreme
+    assert max(trims) < 1.0 == GUST.max()
+    expected = [max(trims), max(trims) / 0.4, np.inf]
+    np.testing.assert_allclose(boundary.limit, expected, rtol=1e-12)
+    np.testing.assert_allclose(boundary.deflection, boundary.limit * c.B * 0.08, rtol=1e-12)
+    assert np.all(np.isnan(boundary.switch_time))
+    assert all(status.startswith("two unstable poles are a pair") for status in boundary.status)
 
 
 @pytest.mark.parametrize("peak", [0.08, -0.08])

@@ -10,6 +10,7 @@ from tvclin.linear import judge
 from tvclin.linear.modes import (
     all_modes,
     left_eigenvector,
+    left_eigenvectors,
     mode_table,
     poles_text,
     separated_poles,
@@ -157,6 +158,13 @@ def test_the_left_over_names_the_slow_root_and_its_e_folding_time(configuration_
     left = judge(plant, on_the_boundary(plant, wind), wind).final_motion
     assert left.e_folding_times[1] == pytest.approx(1.0 / 0.0128538675, rel=1e-8)
     assert "e-folding time of 77.8 s" in str(left)
+
+
+def test_two_growing_modes_are_said_with_both_times(configuration_i):
+    plant = Plant.from_vehicle(configuration_i, "drift-exact")
+    wind = triangle(plant)
+    left = judge(plant, on_the_boundary(plant, wind, factor=0.5), wind).final_motion
+    assert str(left).startswith("growing modes with e-folding times of 1.96 s and 77.8 s")
 
 
 def test_a_growing_pair_is_said_once(configuration_i):
@@ -514,6 +522,20 @@ def test_a_left_eigenvector_is_that_of_the_eigenvalue_next_to_a_pole(batch):
             np.einsum("...i,...ij->...j", row, A), exact[..., np.newaxis] * row, atol=1e-13
         )
         np.testing.assert_allclose(np.linalg.norm(row, axis=-1), 1.0, rtol=1e-14)
+
+
+def test_left_eigenvectors_come_by_falling_growth_rate():
+    A = np.random.default_rng(4).normal(size=(3, 5, 5))
+    values, rows = left_eigenvectors(A)
+    assert np.all(np.diff(values.real, axis=-1) <= 0.0)
+    np.testing.assert_allclose(rows @ A, values[..., np.newaxis] * rows, atol=1e-13)
+
+
+@pytest.mark.parametrize(("model", "b1", "b2"), [("fixed-path", 0.0, 0.0), ("drift", 0.03, 0.02)])
+def test_a_wind_is_as_strong_as_b_k1_of_the_deflection(model, b1, b2):
+    c = Coefficients(mu_alpha=0.25, mu_delta=2.0, b1=b1, b2=b2)
+    strength = wind_over_deflection(Plant.from_coefficients(c, model), np.array([0.5]))
+    assert strength == pytest.approx(0.125 * (0.5 + b2) / (0.5 + b1), rel=1e-14)
 
 
 @pytest.mark.parametrize("b2", [0.1, -0.9, -0.5])
