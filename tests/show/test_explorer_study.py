@@ -13,7 +13,6 @@ from tests.show.explored import moved
 from tests.turns import usual
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
-from tvclin.kernels.choice import pinned
 from tvclin.show.explorer.answer import Answer, answer
 from tvclin.show.explorer.choices import CONTROLS, IN_PLANE, OWN, study_text, write_study
 
@@ -86,8 +85,7 @@ def written(request: pytest.FixtureRequest, tmp_path_factory: Any) -> tuple[Answ
     path = folder / "written.toml"
     named = None if choices.plan.vehicle.structure is None else "made-up-launcher"
     path.write_text(study_text(choices, named), encoding="utf-8")
-    with pinned(False):
-        return answer(choices, 4), path
+    return answer(choices, 4), path
 
 
 _SHORT = ("flexible, filtered, sampled", "both planes")
