@@ -17,6 +17,7 @@ from tvclin.requirement import study_tables
 from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.encountered_requirement import encountered_batch, encountered_requirements
 from tvclin.time_varying.equations import at_pressure
+from tvclin.time_varying.gust_time import encountered_requirements_by_time
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import pressure_ratio
 
@@ -318,6 +319,17 @@ def test_what_lasts_too_long_to_be_followed_is_told(configuration_i) -> None:
         )
         assert study.encountered == {}
         assert any("can be followed for at most" in note for note in study.notes)
+
+
+def test_a_gust_too_long_to_be_followed_is_not_searched_for_its_worst_time(configuration_i) -> None:
+    """The search has longer steps, which would follow it for half a minute before the refusal."""
+    gust = tv.winds.OneMinusCosineGust(peak=0.02, duration=1e4)
+    wind = ShapedWind("triangular", np.radians(5), 7.5, gust=gust)
+    search = encountered_requirements_by_time(
+        configuration_i, "drift-exact", "pitch", wind, ("head", "tail"), 1.0
+    )
+    with pytest.raises(tv.InputError, match="can be followed for at most"):
+        search(np.array([2.0]))
 
 
 def test_without_speed_and_attitude_the_nominal_pressure_counts(configuration_i) -> None:

@@ -155,7 +155,7 @@ def step_times(wind: History, motion: Motion, parts: float = 1) -> FloatArray:
     of substeps of each step, at least 1/4. `InputError` where a wind takes too many steps.
     """
     counts = step_counts(wind, motion).max(axis=0)
-    if not counts.sum() * min(parts, 1.0) <= _MAX_STEPS:
+    if not counts.sum() <= _MAX_STEPS:
         slowest, lasts = 1.0 / motion.fastest.max(), np.max(wind.end - wind.onset)
         raise InputError(
             f"varying parameters can be followed for at most {_MAX_STEPS * STEP:.4g} times"
