@@ -86,6 +86,12 @@ def test_a_gust_by_its_speed_is_that_of_the_library(station) -> None:
     assert ", with a gust of 9 m/s and 2 s" in printed
 
 
+def test_the_name_of_a_station_is_no_archive(station) -> None:
+    named = run("--set", "availability.station", str(station))
+    assert named.exit_code == 2
+    assert "needs a STATION, or a file with archive in [availability] (station" in named.output
+
+
 def test_one_month_is_that_month(station) -> None:
     result = run(station, *EAST, "--limit-deg", "0.35", "--month", "2")
 

@@ -125,7 +125,7 @@ def test_what_a_time_of_flight_cannot_be_of_is_refused(folder):
     (folder / "s.toml").write_text('[study]\nvehicle = "flight.csv"\ntime_s = 52\n')
     refused = {
         ("study", "flight.csv", "--at", 70): "must be between 40 and 60 s",
-        ("study", "at-52.toml", "--at", 50): "has no table [flight]",
+        ("study", "at-52.toml", "--at", 50): "(--set flight.altitude_m M --set flight.specific_imp",
         ("study", "made-up-booster", "--at", 50): "has a structure",
         ("study", "s.toml", "--at", 50): "time_s in its [study]",
         ("fly", "flight.csv", "--at", 52, "--engine", "planar-varying"): "has no table [flight]",

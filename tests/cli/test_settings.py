@@ -172,6 +172,10 @@ def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
     [
         (("study", "--limit", "3"), "did you mean --limit-deg?"),
         (("study", "--time", "60"), "tvclin study takes no --time: did you mean --at?"),
+        (("ascent", "--at", "60"), "tvclin ascent takes no --at: --from TIME --to TIME gives one"),
+        (("study", "--kp", "1"), "tvclin study takes no --kp: did you mean --attitude-gain?"),
+        (("fly", "--kd", "1"), "tvclin fly takes no --kd: did you mean --rate-gain?"),
+        (("study", "--plane", "both"), "--plane must be one of pitch, yaw; tvclin study judges"),
         (("study", "--shape", "triangular"), "takes no --shape: did you mean --wind?"),
         (("study", "--gust", "3"), "Error: --gust takes 2 values, DEG S"),
         (("study", "--gust", "3deg", "2s"), "Error: --gust takes 2 values, DEG S"),

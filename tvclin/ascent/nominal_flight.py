@@ -101,11 +101,14 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
     11950.0
     """
     text, path = read_vehicle_text(source)
-    table = {} if is_schedule(source) else table_of(text, path, FLIGHT_TABLE)
+    scheduled = is_schedule(source)
+    table = {} if scheduled else table_of(text, path, FLIGHT_TABLE)
     name = called(path)
     if not table:
+        settings = " (--set flight.altitude_m M --set flight.specific_impulse_s S)"
         raise errors.InputError(
             f"{name} has no table [flight]; a flight needs altitude_m and specific_impulse_s in it"
+            f"{'' if scheduled else settings}"
         )
     with errors.naming(name):
         return FlightCondition(**FLIGHT_TABLE.read(table))

@@ -362,8 +362,8 @@ def quantity(
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
     """Return a dataclass field for one of `choices`, with a `default`; `more`: of its `Field`."""
     allowed = tuple(choices)
-    check = partial(errors.one_of, choices=allowed)
-    return _field(Field(kind="text", check=check, choices=allowed, **more), default)
+    more = {"check": partial(errors.one_of, choices=allowed)} | more
+    return _field(Field(kind="text", choices=allowed, **more), default)
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:

@@ -32,6 +32,17 @@ FLIGHT_SAMPLE_RATE_HZ = 100.0
 """Sample rate [Hz] in flights of an autopilot without a sample rate."""
 
 
+def _single_plane(name: str, value: object) -> str:
+    """Return `value` if it is a plane; for both planes the `InputError` says how to judge them."""
+    if value == BOTH:
+        raise InputError(
+            f"{name} must be one of {', '.join(PLANES)}; tvclin study judges both planes of a wind"
+            " with a direction: --set wind.direction_deg DEG --azimuth-deg DEG --set"
+            " nozzle.limit_shape round"
+        )
+    return one_of(name, value, PLANES)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Case:
     """A vehicle in a wind, with its nozzle and its autopilot.
@@ -74,7 +85,7 @@ class Case:
         "",
         shown=f"{DEFAULT_MODEL}; {FIXED_PATH} where no more than mu_alpha and mu_delta is known",
     )
-    plane: str = word(PLANES, "pitch")
+    plane: str = word(PLANES, "pitch", check=_single_plane)
     wind: ShapedWind | FixedWind | WindEnsemble | VehicleWind | History = DEFAULT_WIND
     nozzle: Nozzle = ANY_NOZZLE
     design: AutopilotDesign | None = None

@@ -278,8 +278,9 @@ def _usage(error: Any, group: Any) -> str:
         path = f"tvclin {group.invoked_subcommand}"
     kind = type(error).__name__
     unknown = kind == "NoSuchOption"
-    if unknown and (message := _refused_option(context, path, option)):
-        return message
+    gain = _GAINS.get(option, option)
+    if unknown and (message := _refused_option(context, path, gain)):
+        return message.replace(f"takes no {gain}", f"takes no {option}")
     param = getattr(error, "param", None)  # of a wrong value
     if kind == "BadOptionUsage" and group is not None and group.invoked_subcommand in NAMES:
         taken = getattr(group.command.commands[group.invoked_subcommand], "params", ())
@@ -295,6 +296,10 @@ def _usage(error: Any, group: Any) -> str:
     words = f"no option {option}" if unknown else error.format_message().rstrip(".")
     words = f"{path}: {words[:1].lower()}{words[1:]}"
     return words if words.endswith("?") else f"{words}; see {path} --help"
+
+
+_GAINS = {"--kp": "--attitude-gain", "--kd": "--rate-gain"}
+"""Options of gains by other names of them."""
 
 
 def _refused_option(context: Any, path: str, option: str) -> str | None:
@@ -316,6 +321,11 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
         return None
     command, taken = str(context.info_name), context.command.params
     flags = [flag for item in taken for flag in item.opts if flag.startswith("--")]
+    if option == "--at" and {"--from", "--to"} <= {*flags}:
+        return (
+            f"{path} takes no --at: --from TIME --to TIME gives one flight time (tvclin study"
+            " VEHICLE --at TIME answers at one)"
+        )
     name = without_unit(option.replace("-", "_"))
     same = [flag for flag in flags if without_unit(flag.replace("-", "_")) == name]
     if same:

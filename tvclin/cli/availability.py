@@ -157,7 +157,11 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
     for name, needed in {"archive": "a STATION", "azimuth": "--azimuth-deg"}.items():
         # a key may end in a unit, as azimuth_deg
         if not any(key.startswith(name) for key in named):
-            raise InputError(f"availability needs {needed}, or a file with [availability]")
+            station = name == "archive" and "station" in named
+            hint = " (station there is the name of one of several)" if station else ""
+            raise InputError(
+                f"availability needs {needed}, or a file with {name} in [availability]{hint}"
+            )
     if "study" in tables and "wind" not in tables:
         values |= {"wind.shape": DEFAULT_WIND.shape, "wind.peak_rad": DEFAULT_WIND.peak}
         values |= {"wind.duration_s": DEFAULT_WIND.duration}
