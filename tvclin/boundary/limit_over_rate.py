@@ -492,7 +492,8 @@ class _Case:
             raise errors.InputError(
                 "acceleration_limit requires a case that one unstable pole decides; leave it out"
             )
-        return minimum_peak_at_rate(self.constraints, self.unlimited, float(self.wind.onset), rate)
+        onset = float(self.wind.onset)  # `unlimited`: the deflection without a rate limit
+        return minimum_peak_at_rate(self.constraints, self.unlimited, onset, rate)
 
     def single_pole_deflection(self, rate: float) -> float:
         """Return the minimum deflection [rad] of the fastest pole alone, at a `rate` [rad/s]."""

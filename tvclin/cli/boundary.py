@@ -201,8 +201,9 @@ def print_in_wind(
 ) -> None:
     """Print the required deflection of a case at nominal dynamic pressure, and the minimum peak.
 
-    `title`: vehicle and wind, above the table. `dead_bands`: K, ``(k,)``. `control`: start and
-    horizon [s] of the control that knows the wind. `more`: whether the details are printed.
+    `winds`: options of the wind. `title`: vehicle and wind, above the table. `dead_bands`: K,
+    ``(k,)``. `control`: start and horizon [s] of the control that knows the wind. `more`: whether
+    the details are printed. `shown`: options of JSON, CSV file and figure.
     """
     from tvclin import plots
 

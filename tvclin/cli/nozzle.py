@@ -142,7 +142,7 @@ def _print_in_a_wind(
     """Print the deflection over its rate or over the load in one wind; with `more`, the details.
 
     `vehicle`: name of a vehicle or of a file. `over`: rate or load. `time`: flight time [s] of a
-    schedule.
+    schedule. `options`: winds, laws and limits. `shown`: options of JSON, CSV file and figure.
     """
     winds, names = options.winds.at_one_time(vehicle), options.names
     case = _case_in_a_wind(vehicle, over, time, options, winds)
@@ -251,6 +251,7 @@ def over_rate(
         autopilot_rate = _autopilot_rate(case, names)
     with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
+        # with the required rate at the limit, or at the required deflection
         theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
     laws = _flown_limits(case) if every_law else None  # limit of each law over the rate limit
     drawn = laws or trade_off

@@ -124,7 +124,8 @@ def _write(
     """
     angles = [_angles(times[run], *times[run][[0, -1]]) for run in runs]
     lengths = np.cumsum([run.stop - run.start for run in runs])
-    # the empty array is for no run at all; `split` adds an empty last part, which `zip` drops
+    # of the values at the points, for each time; the empty array is for no run at all, and the
+    # empty last part that `split` adds is dropped by `zip`
     factors = _factors(changes.shape[1] - 1, np.concatenate([*angles, np.empty(0)]))
     for k, (run, of_run) in enumerate(zip(runs, np.split(factors, lengths), strict=False)):
         for array, low, high in zip(arrays, columns[:-1], columns[1:], strict=True):

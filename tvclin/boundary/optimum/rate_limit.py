@@ -69,8 +69,8 @@ class RateProgram:
     def moments(self) -> FloatArray:
         """Integrals [s] of the poles' exponentials times the hat function of each node, ``(n, k)``.
 
-        A hat function is one at its node, zero at the others and linear between nodes; the last one
-        stays one up to the horizon.
+        A hat function is one at its node, zero at the others and linear between nodes; the last of
+        k stays one up to the horizon. A complex pair has two of the n rows (`real_rows`).
         """
         # On an interval of width h from t, with x = (u - t)/h, a node's share is x or 1 - x, and
         # integral e^(-p u) x du = e^(-p t) h M_1(p h), with the moments M_k of `numerics.pieces`.

@@ -169,7 +169,8 @@ def mode_distance(terms: Terms, k: int, closed: AnyArray) -> FloatArray:
     `terms`: partial fractions of the loops. `k`: index of the mode. `closed`: its closed-loop pole,
     ``(loops,)``. If it lies in that range, the minimum is near it and as wide as its half-width.
     """
-    open_pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])  # [1/s], (loops, 1)
+    # poles [1/s], (loops, 1): s itself, or of a sampled loop at w, by w = (2/h) tanh(s h/2)
+    open_pole = terms.loop.w_to_s(terms.poles[:, k, np.newaxis])
     closed_pole = terms.loop.w_to_s(closed[:, np.newaxis])
     half_range = _DISTANCE_HALF_WIDTHS * np.abs(open_pole.real)
     low, high = open_pole.imag - half_range, open_pole.imag + half_range

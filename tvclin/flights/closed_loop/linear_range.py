@@ -53,9 +53,9 @@ def finish_by_modes(f: Flights, batch: Batch) -> None:
     rest = undecided[~decided]
     if rest.size:  # flown once more, to the end of their waiting time
         cases, now = ((array[rest] for array in arrays) for arrays in (f.cases, start))
-        g = f._replace(cases=Cases._make(cases), now=FlightStates._make(now))
-        finish(g, batch.laws)
-        for array, flown in zip(f.now, g.now, strict=True):
+        again = f._replace(cases=Cases._make(cases), now=FlightStates._make(now))
+        finish(again, batch.laws)
+        for array, flown in zip(f.now, again.now, strict=True):
             array[rest] = flown
 
 

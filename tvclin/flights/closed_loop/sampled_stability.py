@@ -276,7 +276,7 @@ def linear_delay_margin(batch: Batch, pole: float) -> float:
 
     h = float(batch.hardware.period)
     present = float(batch.hardware.delay) / h
-    angles = _angles(batch, pole, 0.0)
+    angles = _angles(batch, pole, 0.0)  # grid of theta, between which |l| = 1 is sought
 
     def samples(fraction: float) -> float:
         """Return the smallest n, a real number, with a mode at the stability limit; inf if none.
