@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tests.show.pages import section
+from tvclin import plots
 from tvclin.base.lines import Number, text
 from tvclin.cli.app import app
 from tvclin.requirement.flight import sizing_tables as tables
@@ -137,6 +138,8 @@ def test_a_lower_bound_of_the_frozen_vehicle_that_is_far_off_is_explained() -> N
     assert ratio > 1.5
     assert f"is {ratio:.3g} times the bound with parameters that change" in tables.legend(far)
     assert "holds for that vehicle alone" not in tables.legend(near)
+    (drawn,) = plots.sizing_chart(near).figure.legends
+    assert drawn.get_title().get_text() == "lines: vehicle frozen\nmarks: vehicle varying"
 
 
 def test_a_sounding_beside_a_pulse_has_no_columns_of_head_and_tail_wind(tmp_path) -> None:

@@ -63,7 +63,9 @@ def sizing_chart(sizing: Sizing, limit: float | None = None, name: str = "") -> 
     curves = Curves("sizing", words, "flight time [s]", sizing.times[order], tuple(columns))
     top = 1.05 * max(float(np.nanmax(column.values)) for column in columns)
     title = called(sizing.schedule.vehicle.name or name, f"required deflection: {words}")
-    return draw(curves, Look(title, "deflection [deg]", styles, limits={"": (0.0, top or 1.0)}))
+    both = "lines: vehicle frozen\nmarks: vehicle varying" if sizing.freezing_error else ""
+    limits = {"": (0.0, top or 1.0)}
+    return draw(curves, Look(title, "deflection [deg]", styles, legend=both, limits=limits))
 
 
 def _styles(sizing: Sizing) -> dict[str, Style]:
