@@ -41,6 +41,18 @@ def test_a_pipe_gets_a_line_now_and_then(
     ]
 
 
+def test_work_of_unequal_parts_has_no_remaining_time(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now = iter(range(0, 1000, 25))
+    monkeypatch.setattr(output, "monotonic", lambda: float(next(now)))
+    with output.bar("answers", even=False) as tell:
+        for done in range(1, 4):
+            tell(done, 4)
+
+    assert capsys.readouterr().err.splitlines() == [f"{n} of 4 answers" for n in (1, 2, 3)]
+
+
 @pytest.mark.parametrize("before", [0, 600])
 def test_the_time_left_counts_neither_compiling_nor_what_was_done_before(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], before: int

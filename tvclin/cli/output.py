@@ -282,30 +282,33 @@ _LINE_INTERVAL_S = 20.0
 
 
 @contextmanager
-def bar(what: str) -> Iterator[Progress]:
+def bar(what: str, *, even: bool = True) -> Iterator[Progress]:
     """Yield the function that shows a bar with the remaining time, or lines in a pipe.
 
-    `what`: the units of work in words, as "flights".
+    `what`: the units of work in words, as "flights". `even`: whether all take about the same time;
+    else no remaining time is shown.
     """
     from rich.console import Console
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lines(what)
+        yield lines(what, even=even)
         return
     from rich import progress as rich  # late: a terminal alone needs it
 
     counted = rich.TextColumn(f"{{task.completed:.0f}} of {{task.total:.0f}} {what}")
-    columns = (rich.BarColumn(), counted, rich.TimeRemainingColumn())
+    time = rich.TimeRemainingColumn() if even else rich.TimeElapsedColumn()
+    columns = (rich.BarColumn(), counted, time)
     with rich.Progress(*columns, console=console, speed_estimate_period=_RATE_PERIOD_S) as progress:
         task = progress.add_task(what, total=None, visible=False)
         yield lambda done, total: progress.update(task, completed=done, total=total, visible=True)
 
 
-def lines(what: str) -> Progress:
+def lines(what: str, *, even: bool = True) -> Progress:
     """Return the function that writes progress on stderr, a line in twenty seconds at most.
 
-    `what`: the units of work in words. The rate counts from the first report on: earlier work, and
+    `what`, `even`: the units of work in words, and whether all take about the same time; else no
+    remaining time is written. The rate counts from the first report on: earlier work, and
     the compilation of kernels until then, do not enter it.
     """
     import typer
@@ -325,7 +328,8 @@ def lines(what: str) -> Progress:
         if now - last < _LINE_INTERVAL_S or not 0.0 < done < total:
             return
         last = now
-        remaining = _remaining_text(now - first[0], done - first[1], total - done)
+        passed, worked = now - first[0], done - first[1]
+        remaining = _remaining_text(passed, worked, total - done) if even else ""
         typer.echo(
             f"{done:.0f} of {total:.0f} {what}{remaining and f', about {remaining} left'}", err=True
         )

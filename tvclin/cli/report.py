@@ -56,7 +56,7 @@ def report(
         findings.append(result)
 
     announce(CURVES_SECONDS)  # estimated run time, which decides between compiled and plain code
-    with bar("parts of the page") as progress:
+    with bar("parts of the page", even=False) as progress:
         write_whole(output, write)
     say(f"Wrote {called(output)}. {text(sentence(findings[0]))}")
     for warning in warnings:

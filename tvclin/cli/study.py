@@ -111,7 +111,7 @@ def study(
 
         # estimated run time, which decides between compiled and plain code
         announce(CURVES_SECONDS)
-    with bar("answers") as progress:
+    with bar("answers", even=False) as progress:
         # flown margins are of the page alone
         findings = find(questioned(plan), progress, omitted=("flown",))
     if plan.availability is not None and plan.availability.least_part is None:
