@@ -186,8 +186,8 @@ def gain_notes(
 ) -> Iterator[str]:
     """Yield notes on unspecified gains or actuator, and on gains that satisfy the criteria.
 
-    By default a0 = 2 B and a1 = B/beta: B the trim deflection over wind angle, beta the unstable
-    pole [1/s].
+    By default the gain on attitude a0 = 2 B and that on attitude rate a1 [s] = B/beta: B the trim
+    deflection over wind angle, beta the unstable pole [1/s].
     `case`: the vehicle and its autopilot. `satisfied`: whether the gains of the case satisfy the
     criteria. `delay_margin`: delay margin [s] of these gains.
     """

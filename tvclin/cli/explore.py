@@ -45,7 +45,7 @@ def explore(
     if source is not None and vehicle is not None:
         raise InputError("give SOURCE or --vehicle, not both")
     source = source or vehicle or "configuration-i"
-    pulse_of(load_study(source, time))
+    pulse_of(load_study(source, time))  # raises where the wind is none that the panel can show
     for needed in ("jupyterlab", "ipywidgets", "ipykernel"):
         if find_spec(needed) is None:
             raise missing(f"tvclin explore needs {needed}", "notebook")

@@ -153,9 +153,10 @@ def _print_columns(title: str, headings: Sequence[str], rows: Sequence[Sequence[
     spare = console.width - sum(minima) - _MAX_COLUMN_PADDING * len(columns) - 1
     fits, wider = spare >= 0, dict.fromkeys(range(len(columns)), 0)  # wider: further width given
     of_cells = [max(map(len, cells[1:]), default=0) for cells in columns]
-    for lengths in ([n - low for n, low in zip(of_cells, minima, strict=True)], wanted):
-        spare = _widen(wider, lengths, spare, prose)  # a heading is broken before a cell
-    *_, last = wider
+    for_cells = [n - low for n, low in zip(of_cells, minima, strict=True)]
+    for lengths in (for_cells, wanted):  # cells before headings, which are broken first
+        spare = _widen(wider, lengths, spare, prose)  # changes `wider`, returns what is left
+    last = len(columns) - 1
     narrow = not fits or minima[last] + wider[last] < _MIN_PROSE_WIDTH
     if last and prose[last] and wanted[last] > wider[last] and narrow:
         _print_columns(title, headings[:-1], [row[:-1] for row in rows])

@@ -572,7 +572,7 @@ class Study(CaseRequirement, Shown):
             "forecast_free": self.forecast_free,
             "minimum_deg": {name: np.degrees(peak) for name, peak in self.minima.items()},
             "notes": self.notes,
-            "verdict": document(self),
+            "verdict": document(self),  # all fields that the record specifies
         }
 
 

@@ -170,7 +170,8 @@ class LoadProgram:
         the minimised one. Rows join the states at neighbouring nodes, and set the final ones. An
         unstable mode s is z(start) = decay z(end) - |s| (w_start eta(start) + w_end eta(end)), a
         stable one z(end) = decay z(start) + |s| (...), with `convolution_weights` w [s] and eta,
-        the deflection minus the reference. `column` and `matrix` make reals of complex pairs.
+        the deflection minus the reference. `column` and `matrix` make reals of complex pairs; all
+        is divided by `_unit` [rad], the size of the solution.
         """
         from scipy import sparse
 
@@ -189,6 +190,7 @@ class LoadProgram:
         final_states, m = case.column(case.step_states)[unstable], unstable.size
         driven = _diagonal(start[..., np.newaxis]) @ to_starts
         driven = driven + _diagonal(end[..., np.newaxis]) @ to_ends
+        # without the columns of the first node: a cell's end is on the diagonal, its start before
         between = sparse.hstack([driven, _diagonal(of_end) + _diagonal(of_start, 1)])
         # final state of each unstable mode, from which the last deflection, held, returns it
         final = sparse.hstack(

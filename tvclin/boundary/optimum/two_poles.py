@@ -119,7 +119,7 @@ def longest_single_pole_duration(
 
     y is the peak that the slow pole beta1 requires by itself over that of the fast pole beta2. Up
     to there the fast pole alone decides the minimum peak, nearly. The print omits the ratio of the
-    K1_i = (beta_i + b2)/(beta_i + b1). y rises with the duration from K1_ratio beta1/beta2 to
+    drift factors K1_1/K1_2. y rises with the duration from K1_ratio beta1/beta2 to
     K1_ratio beta2/beta1; NaN is returned where it is never 1.
 
     `beta1`, `beta2`: slow and fast unstable pole [1/s], positive. `K1_ratio`: K1_1/K1_2, the
@@ -130,7 +130,7 @@ def longest_single_pole_duration(
     >>> round(longest_single_pole_duration(0.01, 0.5), 3)
     30.479
     """
-    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)
+    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)  # beta1 and beta2 as arrays
     shape = np.broadcast_shapes(b1.shape, b2.shape, K.shape)
     reached = (b1 < K * b2) & (K * b1 < b2)  # y is 1 at some duration
     # y is larger than without the fast pole's exponential, eq (C9): its root comes no later

@@ -618,8 +618,9 @@ class Stages:
     def _next_to_knots(self) -> IntArray:
         """Indices of samples with a breakpoint (knot) of the wind, and of the next on both sides.
 
-        Only in these samples the kernel needs x' = A x + gust w itself; none in winds with many
-        knots (`_by_pressure`), for which `_arrays` has A and gust of all samples.
+        A sample without one is a step of a table; in these the kernel integrates x' = A x + gust w,
+        with the vector `gust`, over parts. None in winds that change the dynamic pressure
+        (`_by_pressure`), which have many knots: `_arrays` has A and gust of all samples then.
         """
         if self._by_pressure:
             return np.zeros(0, np.int64)
