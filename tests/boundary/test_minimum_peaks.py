@@ -69,13 +69,15 @@ def test_peaks_of_a_batch_are_those_of_the_certified_optimum(middle, apart, dura
 
 
 def test_a_batch_of_peaks_takes_plants_of_every_kind_together():
-    kinds = [(0.5, 0.013), (0.2, 0.2), (0.1 + 0.1j, 0.1 - 0.1j), (0.3, -0.1)]
+    kinds = [(0.5, 0.013), (0.2, 0.2), (0.1 + 0.1j, 0.1 - 0.1j), (0.3, -0.1), (-0.2, -0.1)]
     plants = [plant_of_poles(*two) for two in kinds]
     every = Coefficients(**{n: [getattr(p.coefficients, n) for p in plants] for n in NUMBERS})
     result = minimum_peaks(Plant(every, "drift-exact"), WIND)
     single = [float(minimum_peaks(p, WIND)) for p in plants]
     # Conditions of poles set apart by 2e-6 are known to rounding over that.
     np.testing.assert_allclose(result, single, rtol=np.finfo(float).eps / 2e-6 * 4.0)
+    certified = [optimum_deflection(p, WIND, float(WIND.onset)).peak for p in plants]
+    np.testing.assert_allclose(result, certified, rtol=1e-8)
 
 
 def test_without_an_unstable_pole_nothing_is_needed():
@@ -133,6 +135,12 @@ def three_poles_with_peak_one(count):
         poles[k] = fast, *others
         demands[k] = demands_of_peak_one(poles[k], weights)
     return poles, demands
+
+
+def test_three_poles_require_the_peak_of_their_switching_control():
+    poles, demands = three_poles_with_peak_one(2)
+    peaks = peaks_for_demands(poles, demands, np.array([0.999, 10.0]))
+    np.testing.assert_allclose(peaks, [1.0, 10.0], rtol=1e-9)  # 0.999 is not sufficient, 10 is
 
 
 @pytest.mark.thorough
