@@ -413,7 +413,9 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     )
     notes = [] if margins.stable else [margins.reason]
     if autopilot.sample_rate is not None:
-        notes.append("margins are of the sampled autopilot, all peaks of the continuous one")
+        notes.append(
+            "peaks are of the continuous autopilot, criteria and margins of the sampled one"
+        )
     boundaries, boundary_notes = _boundaries(plant.rigid, wind)
     notes += boundary_notes
     minimum = optimum_deflection(plant.rigid, wind)
