@@ -332,6 +332,16 @@ def test_a_gust_too_long_to_be_followed_is_not_searched_for_its_worst_time(confi
         search(np.array([2.0]))
 
 
+def test_the_survivable_peak_of_a_wind_with_a_gust_is_of_both_together(configuration_i) -> None:
+    gust = tv.winds.OneMinusCosineGust(peak=np.radians(1), duration=2.0)
+    wind = ShapedWind("triangular", np.radians(5), 7.5, gust=gust, gust_at=3.75)
+    case = tv.Case(vehicle=configuration_i, wind=wind, nozzle=tv.Nozzle(limit=0.01), sign="frozen")
+    study = tv.Study.of(case)
+
+    assert study.peak_of == "of the wind, its gust included"
+    assert study.judged_peak == pytest.approx(np.radians(6), rel=1e-9)
+
+
 def test_without_speed_and_attitude_the_nominal_pressure_counts(configuration_i) -> None:
     c = tv.Coefficients.from_vehicle(configuration_i)
     bare = tv.vehicle.LinearVehicle(coefficients=c, name="bare")

@@ -492,7 +492,7 @@ class Study(CaseRequirement, Shown):
             survived = abs(speed * self.survivable_peak / self.judged_peak)
             words += f" at {survived:.4g} m/s"
         if self.wind_in_plane.gust is not None:
-            words += " with its gust"
+            words += ", its gust included"
         return words and f"of the wind{words}"
 
     @property

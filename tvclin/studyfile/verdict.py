@@ -237,7 +237,7 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
         survived = np.fmin(survived, abs(s.judged_peak) * findings.autopilot_survives)
         peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
         by = ", with this autopilot" if survived < abs(s.survivable_peak) else ""
-        gust = ", with its gust" if _judged_wind(s).gust_text else ""
+        gust = ", its gust included" if _judged_wind(s).gust_text else ""
         rows.append((f"{SURVIVES}{gust}{by}", (*peak, " deg")))
     if not s.judges_both_planes:
         trim = degrees("facts.trim", s.trim_deflection, unit="deg")
