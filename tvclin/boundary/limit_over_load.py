@@ -362,9 +362,9 @@ class LoadLimits:
     def at(self, load: float) -> tuple[float, float, float]:
         """Return limit [rad], its lower bound [rad] and slope at a load bound `load` [rad].
 
-        The slope is the decrease of the lower bound per load. Programs on finer nodes are solved
-        until the gap is small. The limit is the peak of a weighted mean of two computed controls,
-        with more and with less load; infinite without one with less.
+        The slope is the decrease of the lower bound per load. Programs on finer nodes add controls,
+        (load, peak) in `points`, until the gap is small. The limit is the peak of a weighted mean
+        of two of these, with more and with less load; infinite without one with less.
         """
         if load < self.load_floor:
             return np.inf, np.inf, np.nan

@@ -338,7 +338,8 @@ class _Answer:
         def details() -> None:
             """Print the tables below the answer, and lines on vehicle, flight and scan of limits.
 
-            `others`: all tables of limits but the first, which is printed above.
+            `others`: all tables of limits but the first, which is printed above. `name`, `winds`,
+            `rate`, `engine`: words on vehicle, winds, samples and actuator.
             """
             print_tables(*others, load_table(self.trials))
             print_parts(self.plant)

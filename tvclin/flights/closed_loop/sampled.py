@@ -214,7 +214,8 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     if np.any(beyond):
         first = track[np.argmax(beyond)]
         check_not_lost(float(first[-1]), first[:n])  # its last number is the time
-    at = _substeps(f, system, n, times)  # the substep of each time, and whether it is limited
+    # substep of each time: whether it is limited, and the states without limits
+    at = _substeps(f, system, n, times)
     rows = _rows(at, flight.system, actuator, flight.wind, times)
     if actuator is None:
         return Tracked(rows, rate=None, acceleration=None)

@@ -427,7 +427,7 @@ class SizingRequest:
         """Return the sizing at flight times [s], pulses in their possible directions.
 
         Gaps of the soundings are in words in its `gaps`. `progress`: called with the numbers of
-        finished and of all requirements.
+        finished and of all requirements. `_mode`: flight along which parameters vary, if they do.
         """
         result = size(
             self.schedule,
