@@ -251,7 +251,6 @@ def over_rate(
         autopilot_rate = _autopilot_rate(case, names)
     with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
-        # with the required rate at the limit, or at the required deflection
         theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
     laws = _flown_limits(case) if every_law else None  # limit of each law over the rate limit
     drawn = laws or trade_off
