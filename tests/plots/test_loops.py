@@ -13,7 +13,6 @@ from tests.turns import by_turns, usual
 from tvclin import plots
 from tvclin.plots.frequency_response import box_sides
 from tvclin.plots.root_locus import LocusPoles
-from tvclin.plots.style import place_numbers
 
 mpl.use("Agg")
 
@@ -141,7 +140,6 @@ def test_every_figure_is_one_labelled_control_plot_and_changes_no_settings(name,
 
 
 def every_number_can_be_read(plot):
-    place_numbers(*plot.axes.flat)
     plot.figure.draw_without_rendering()
     for axes in plot.axes.flat:
         frame = axes.get_window_extent()

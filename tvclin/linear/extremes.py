@@ -19,7 +19,7 @@ from tvclin.base.fields import spec
 from tvclin.base.lines import Table, degrees, number
 from tvclin.linear.plant import PLANT_HINT, Plant
 from tvclin.linear.response import attitude_responses
-from tvclin.numerics.searches import grid_minimum
+from tvclin.numerics.searches import grid_minimum, roots_between
 from tvclin.winds.histories import History
 
 Function = Callable[[FloatArray], FloatArray]
@@ -85,14 +85,18 @@ def extremes(plant: Plant, deflection: History, wind: History, length: float) ->
         """Return the attitude [rad] at a time [s], with that time."""
         return Point(float(attitude(np.array([time]))[0]), time)
 
+    def with_wind(time: FloatArray) -> FloatArray:
+        """Return the attitude [rad] at times [s], positive as the wind turns the vehicle."""
+        return sign * attitude(time)
+
     times = probe_times(0.0, length, deflection, wind)
-    towards = sign * attitude(times)  # positive in the direction to which the wind turns
-    highest, highest_time = refined_maximum(lambda t: sign * attitude(t), times, towards)
-    lowest, lowest_time = refined_maximum(lambda t: -sign * attitude(t), times, -towards)
+    towards = with_wind(times)
+    highest, highest_time = refined_maximum(with_wind, times, towards)
+    lowest, lowest_time = refined_maximum(lambda t: -with_wind(t), times, -towards)
     return Extremes(
         with_wind=at(highest_time) if highest > smallest else None,
         against_wind=at(lowest_time) if lowest > smallest else None,
-        back_at_zero=_last_zero(attitude, times, np.where(abs(towards) > smallest, towards, 0.0)),
+        back_at_zero=_last_zero(with_wind, times, np.where(abs(towards) > smallest, towards, 0.0)),
         at_wind_end=at(float(wind.end)) if wind.end <= length else None,
         at_end=at(length),
     )
@@ -121,8 +125,6 @@ def response_end(
     end [s]. `lets_go`: whether the limit survives, so that it is released; otherwise only 90
     degrees and the requested end count.
     """
-    from scipy.optimize import brentq
-
     back = extremes(plant, deflection, wind, longest).back_at_zero  # return of the attitude to zero
     if lets_go and back is not None:
         return ResponseEnd(back.time, RELEASED, back)
@@ -135,8 +137,10 @@ def response_end(
     if not exceeding.size or release <= times[exceeding[0] - 1]:
         why = RELEASED if release < longest else COMPLETE
         return ResponseEnd(min(release, longest), why)
-    bracket = times[exceeding[0] - 1], times[exceeding[0]]
-    end = brentq(lambda t: MAX_SHOWN_ATTITUDE - abs(float(attitude(np.array([t]))[0])), *bracket)
+    first = exceeding[:1]
+    (end,) = roots_between(
+        times[first - 1], times[first], lambda t, _: np.abs(attitude(t)) - MAX_SHOWN_ATTITUDE
+    )
     return ResponseEnd(float(end), OVERTURNED)
 
 
@@ -218,18 +222,16 @@ def refined_maximum(
 def _last_zero(function: Function, times: FloatArray, towards: FloatArray) -> Point | None:
     """Return the last point at which a response falls through zero; None if it does not.
 
-    `function`: the response or its negative, from times ``(n,)`` [s] to values. `times`: of samples
-    [s], ``(n,)``. `towards`: signed samples at these times; only their falls from positive to
-    negative count, and zeros are omitted.
+    `function`: the response, from times ``(n,)`` [s] to values. `times`: of samples [s], ``(n,)``.
+    `towards`: samples at these times; only their falls from positive to negative count, and zeros
+    are omitted.
     """
-    from scipy.optimize import brentq  # late: it takes 0.3 s to import
-
     times, towards = times[towards != 0.0], towards[towards != 0.0]
     falls = np.flatnonzero((towards[:-1] > 0.0) & (towards[1:] < 0.0))
     if not falls.size:
         return None
-    bracket = times[falls[-1]], times[falls[-1] + 1]
-    zero = brentq(lambda t: float(function(np.array([t]))[0]), *bracket, xtol=1e-12)
+    last = falls[-1:]
+    (zero,) = roots_between(times[last], times[last + 1], lambda t, _: -function(t))
     return Point(0.0, float(zero))
 
 

@@ -23,7 +23,7 @@ from tvclin.design import standard_trials as trial_tables
 from tvclin.ensembles.availability import availability_record as answer_tables
 from tvclin.flights.closed_loop.flown_margins import flown_table
 from tvclin.linear.flexible import mode_tables, plant_of
-from tvclin.plots.style import figure_bytes, place_numbers
+from tvclin.plots.style import figure_bytes
 from tvclin.requirement import study_tables
 from tvclin.requirement.flight import sizing_tables
 from tvclin.requirement.flight.total import total_table
@@ -294,7 +294,7 @@ def narrow(plot: "ControlPlot") -> None:
     """Give the figure of a plot the width of a page's column, and put one legend below it.
 
     Titles and minor ticks are removed. The legend has two columns, or one where these are wider
-    than the figure; numbers are placed anew, since the size has changed.
+    than the figure.
     """
     figure = plot.figure
     panels = [axes for axes in np.ravel(plot.axes) if axes.axison]
@@ -326,5 +326,3 @@ def narrow(plot: "ControlPlot") -> None:
         if columns == 1 or legend.get_window_extent().width < figure.bbox.width:
             break
         legend.remove()
-    place_numbers(*panels)
-    figure.set_layout_engine(None)  # the layout was computed to place the numbers, and stays
