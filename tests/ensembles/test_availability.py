@@ -15,7 +15,8 @@ from tvclin.ascent.measured_wind import FlightWind, GustOfSpeed
 from tvclin.ensembles.statistics import effective_number, survival_fraction
 from tvclin.flights.closed_loop.survival_limit import FINE, LAST_PARTS
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.time_varying.requirements import SteppedWinds, encountered_at_steps
+from tvclin.time_varying.requirements import SteppedWinds
+from tvclin.time_varying.steps import encountered_at_steps
 
 EAST = np.radians(90.0)
 PITCH = {"azimuth": EAST, "plane": "pitch", "sign": "frozen"}

@@ -12,7 +12,8 @@ from tvclin.ascent.measured_wind import FlightWind
 from tvclin.requirement.flight import flight_requirement as flight_mode
 from tvclin.requirement.flight.flight_requirement import FlightMode
 from tvclin.studyfile.parse import parse_study
-from tvclin.time_varying.requirements import FLIGHT_SUBSTEPS, SteppedWinds, encountered_at_steps
+from tvclin.time_varying.requirements import FLIGHT_SUBSTEPS, SteppedWinds
+from tvclin.time_varying.steps import encountered_at_steps
 
 EAST = np.radians(90.0)
 

@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 
 import tvclin as tv
 from tvclin.requirement.flight.flight_requirement import FlightMode
-from tvclin.time_varying.requirements import step_times, varying_requirement
+from tvclin.time_varying.requirements import varying_requirement
+from tvclin.time_varying.steps import step_times
 from tvclin.winds.wind_angles import NominalWind
 
 PAD = """time_s,altitude_m,velocity_m_per_s,mass_kg,thrust_kN,attitude_deg,moment_of_inertia_kg_m2,\

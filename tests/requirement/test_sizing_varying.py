@@ -13,7 +13,8 @@ from tests.turns import usual
 from tvclin.ascent.nominal_flight import load_flight_condition
 from tvclin.flights.flown_boundary import planar_verdict
 from tvclin.requirement.flight.flight_requirement import FlightMode, flight_requirements
-from tvclin.time_varying.requirements import FLIGHT_SUBSTEPS, SteppedWinds, encountered_at_steps
+from tvclin.time_varying.requirements import FLIGHT_SUBSTEPS, SteppedWinds
+from tvclin.time_varying.steps import encountered_at_steps
 from tvclin.winds.wind_angles import NominalWind
 
 PEAK = np.radians(0.01)

@@ -16,9 +16,9 @@ from tvclin.requirement.flight.flight_requirement import (
     flight_requirements,
     requirements_along,
 )
-from tvclin.time_varying import requirements as time_varying
+from tvclin.time_varying import steps
 from tvclin.time_varying.equations import Equations, at_pressure
-from tvclin.time_varying.requirements import varying_requirement
+from tvclin.time_varying.requirements import SteppedWinds, varying_requirement
 from tvclin.winds.wind_angles import NominalWind, along_from_angle, pressure_ratio, wind_triangle
 
 MODELS = ["fixed-path", "drift", "drift-exact", "drift-and-speed"]
@@ -81,7 +81,7 @@ def test_a_flight_that_overflows_has_diverged(configuration_i) -> None:
     times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
     wind, ratio = np.full(times.shape, 0.05), np.ones(times.shape)
     limits = np.array([[1e-4]])
-    assert time_varying.SteppedWinds(equations, times, wind, ratio).diverge(limits).all()
+    assert SteppedWinds(equations, times, wind, ratio).diverge(limits).all()
 
 
 def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
@@ -92,7 +92,7 @@ def test_the_march_is_of_fourth_order(configuration_i, monkeypatch) -> None:
     equations = Equations.frozen(configuration_i.rigid, "drift-exact", "pitch")
     errors = []
     for step in (0.496, 0.248, 0.124):  # 8, 16 and 32 steps
-        monkeypatch.setattr(time_varying, "STEP", step)
+        monkeypatch.setattr(steps, "STEP", step)
         result = varying_requirement(equations, NominalWind(wind), 0.5)
         errors.append(abs(float(result.required[0]) - exact))
     ratios = np.array(errors[:-1]) / errors[1:]
@@ -164,8 +164,8 @@ def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configur
         return bool(abs(end[:-1] @ state) > limit * abs(end[-1]))
 
     limits = edge * np.array([[0.998, 1.002]])
-    times, angles, ratio = time_varying.encountered_at_steps(equations, NominalWind(wind), 4)
-    diverged = time_varying.SteppedWinds(equations, times, angles, ratio).diverge(limits)
+    times, angles, ratio = steps.encountered_at_steps(equations, NominalWind(wind), 4)
+    diverged = SteppedWinds(equations, times, angles, ratio).diverge(limits)
     assert diverged.tolist() == [[flown(limit) for limit in limits[0].tolist()]] == [[True, False]]
 
 

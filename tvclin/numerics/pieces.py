@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from math import comb, factorial, prod
 from typing import Any
 
@@ -26,8 +27,8 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
 
-_MAX_DIRECT_COMPARISONS = 4096
-"""Pairs of a knot and a time up to which all are compared at once."""
+_MAX_COMPARED_KNOTS = 16
+"""Number of knots up to which each is compared with all times."""
 _RESONANT_SPAN = 0.25
 """Largest |rate - pole| times the width at which a term is expanded as resonant."""
 _TAYLOR_TERMS = 13
@@ -169,7 +170,8 @@ def value(pieces: Pieces, t: FloatArray) -> AnyArray:
         terms = terms * u + c[..., k]
     if pieces.rates.any():
         terms = terms * np.exp(pieces.rates[..., np.newaxis, :] * u)
-    return np.where(since_knot < 0.0, 0.0, terms.sum(axis=-1))
+    total = reduce(np.add, np.moveaxis(terms, -1, 0))  # numpy is slow along short axes
+    return np.where(since_knot < 0.0, 0.0, total)
 
 
 def add(first: Pieces, second: Pieces) -> Pieces:
@@ -258,9 +260,12 @@ def _last_at_or_before(knots: FloatArray, t: FloatArray) -> IndexArray:
     """
     if knots.size and not any(knots.strides[:-1]):  # one row of knots for the whole batch
         return np.searchsorted(knots[(0,) * (knots.ndim - 1)], t, side="right") - 1
-    if knots.shape[-1] * t.shape[-1] <= _MAX_DIRECT_COMPARISONS:
-        return np.sum(knots[..., np.newaxis, :] <= t[..., np.newaxis], axis=-1) - 1
     shape = np.broadcast_shapes(knots.shape[:-1], t.shape[:-1])
+    if knots.shape[-1] <= _MAX_COMPARED_KNOTS:
+        index = np.full((*shape, t.shape[-1]), -1)
+        for knot in np.moveaxis(knots, -1, 0):  # numpy is slow along short axes
+            index += knot[..., np.newaxis] <= t
+        return index
     rows = np.broadcast_to(knots, (*shape, knots.shape[-1])).reshape(-1, knots.shape[-1])
     times = np.broadcast_to(t, (*shape, t.shape[-1])).reshape(-1, t.shape[-1])
     counts = [np.searchsorted(row, x, side="right") for row, x in zip(rows, times, strict=True)]

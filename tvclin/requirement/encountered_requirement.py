@@ -18,11 +18,8 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.case.case import Case
 from tvclin.time_varying.equations import Equations
-from tvclin.time_varying.requirements import (
-    batch_requirements,
-    encountered_at_steps,
-    varying_requirement,
-)
+from tvclin.time_varying.requirements import batch_requirements, varying_requirement
+from tvclin.time_varying.steps import encountered_at_steps
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.linear_vehicle import LinearVehicle, complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle

@@ -111,13 +111,13 @@ def sign_changes(nominal: FloatArray) -> BoolArray:
     return np.asarray(np.minimum(-low, high) > _ZERO_MOMENT_FRACTION * np.maximum(-low, high))
 
 
-def unstable_modes_of(A: FloatArray) -> tuple[UnstableModes, ...]:
-    """Return the unstable modes of ``A (n, m, m)``, two or three of them, the fastest one real.
+def unstable_modes_of(values: AnyArray, vectors: AnyArray) -> tuple[UnstableModes, ...]:
+    """Return the unstable modes of n vehicles, two or three of them, the fastest one real.
 
     Cases with the same numbers of real modes and of pairs are in one record; cases with another
-    number of modes, or a pair as the fastest, are omitted.
+    number of modes, or a pair as the fastest, are omitted. `values`, `vectors`: poles [1/s] ``(n,
+    m)`` and costates ``(n, m, m)`` of all modes, see `left_eigenvectors`.
     """
-    values, vectors = left_eigenvectors(A)
     unstable = (np.real(values) > 0.0) & (np.imag(values) >= 0.0)
     pairs = unstable & (np.imag(values) > 0.0)
     kinds = np.add(unstable, pairs, dtype=int)  # 0, 1 of a real mode, 2 of a pair
@@ -259,14 +259,15 @@ class Equations:
         E = E.reshape(-1, order, columns)
         slopes = slopes.reshape(-1, 1, 1, 2, order, columns)
         _pole, paired = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
-        end = unstable_end(E)  # costate, and in the last column the control reach
+        modes = left_eigenvectors(E[..., :order])  # all of them
+        end = unstable_end(E, modes)  # costate, and in the last column the control reach
         return cls(
             nominal=np.repeat(E[:, np.newaxis, np.newaxis], 3, axis=2),
             slopes=np.repeat(slopes, 3, axis=2),
             end=end,
             paired=np.reshape(paired, (-1, 1, 1)),
             quick_path=np.ravel(has_quick_path(plants[0])),
-            modes=unstable_modes_of(E[..., :order]),
+            modes=unstable_modes_of(*modes),
             reverses=np.zeros(len(end), dtype=bool),
             absolute_reach=np.abs(end[:, -1]),
         )
@@ -363,16 +364,19 @@ def has_quick_path(plant: Plant) -> BoolArray:
     return np.asarray(quick)
 
 
-def unstable_end(equations: FloatArray) -> FloatArray:
+def unstable_end(
+    equations: FloatArray, modes: tuple[AnyArray, AnyArray] | None = None
+) -> FloatArray:
     """Return costate and control reach, its last column, of constant equations, ``(n, m + 1)``.
 
     `equations`: [A b w] of n vehicles with m states, ``(n, m, m + 2)``: state matrix, columns of
     deflection and wind. The costate p is the left eigenvector of the fastest real unstable mode, of
     length one and with a positive component of the attitude rate; the control reach is p.b over the
-    pole. NaN without such a mode.
+    pole. NaN without such a mode. `modes`: poles [1/s] and costates of all modes, which are
+    computed without them.
     """
     order = equations.shape[-2]
-    values, rows = left_eigenvectors(equations[..., :order])  # the fastest first
+    values, rows = modes or left_eigenvectors(equations[..., :order])  # the fastest first
     unstable = (np.imag(values) == 0.0) & (np.real(values) > 0.0)
     fastest = np.argmax(unstable, axis=-1)[..., np.newaxis]
     exists = np.any(unstable, axis=-1, keepdims=True)

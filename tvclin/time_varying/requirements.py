@@ -25,38 +25,37 @@ it to one side alone, and mu_alpha keeps its sign. Else the limited law itself i
 lies above all of them with which a flight diverges.
 
 The error of the curves is of fourth order in the steps, below 1e-6 of the largest trim at the
-`STEP` taken here.
+`STEP` of `time_varying.steps`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
-from tvclin.base.errors import InputError
 from tvclin.kernels import trim_and_demand as marches
 from tvclin.kernels.choice import repeated, run
 from tvclin.time_varying.curves import Curves, at_substeps
 from tvclin.time_varying.equations import Equations, minimum_peaks
-from tvclin.winds.histories import History
+from tvclin.time_varying.steps import (
+    MAX_STEPS,
+    Encounter,
+    Motion,
+    encountered_at_steps,
+    step_counts,
+    steps_after,
+    with_calm_after,
+)
 from tvclin.winds.wind_angles import MAX_LINEAR_ANGLE, EncounteredWind, NominalWind
 
-STEP = 0.1
-"""Length of a step times the fastest rate of vehicle and wind."""
 FLIGHT_SUBSTEPS = 4
 """Number of substeps in flights of the limited law, whose feedback is ten times as fast."""
 _FEEDBACK_OVER_TRIM = 10.0
 """Ratio of attitude feedback to trim of the ideal trim law, same as in `TrimLaw`. A stiffer law may
 survive with a percent less in a wind that changes sign on a quick path."""
-_CALM_OVER_TIME_CONSTANT = 15.0
-"""Length of a flight after its wind times the unstable pole. On a quick path the law may diverge
-with a limit that survives if it is constant."""
-_CALM_STEP_OVER_TIME_CONSTANT = 0.05
-"""Largest product of step and fastest rate after the wind."""
 _FLIGHT_MARGIN = 1.005
 """Ratio of the limit of a flight to the limit of both curves, to show that this is sufficient."""
 _MIN_RATIO_BOTH_SIGNS, _MIN_RATIO_TWO_INTERVALS = 0.5, 0.9
@@ -69,177 +68,10 @@ _HIGHER_LIMITS = (1.0, 10.0, 100.0)
 changes its sign, or two unstable modes are a pair for a while."""
 _MIN_LIMIT = 1e-12
 """Smallest limit of a flight [rad], in place of zero."""
-_EVEN_STEP = 0.125
-"""Length of an even step times the fastest rate, through winds whose breakpoints are not ends.
-With the impulse of the wind in each step the largest min(trim, demand) is within a thousandth."""
-_MIN_RATE_PER_S = 0.5
-"""Smallest rate [1/s] that sets even steps."""
-_MIN_EVEN_STEPS = 32
-"""Smallest number of even steps."""
 MAX_BATCH_STEPS = 5_000
 """Largest number of steps of the winds of a batch: some ten megabytes."""
 _LIMITS_MULTIPLE = 4
 """Multiple to which the number of limits is rounded, so that many winds have the same."""
-_MAX_STEPS = 20_000
-"""Largest number of steps over one wind."""
-_WIND_RATE_FACTOR = 3.0
-"""Factor on the rates of a wind, whose curvature sets the error of the parabola of trim."""
-_MIN_STEPS = 4
-"""Smallest number of steps between two breakpoints of a wind."""
-
-
-class Motion(Protocol):
-    """Equations of vehicles over time: `Equations`, or `FlightMode`."""
-
-    @property
-    def fastest(self) -> FloatArray:
-        """Inverse of the shortest time constant [1/s] of each vehicle's attitude, ``(n,)``."""
-
-    @property
-    def breakpoints(self) -> FloatArray:
-        """Breakpoints [s] of the equations, in addition to the breakpoints of the wind."""
-
-    def judged_at(self, ends: FloatArray) -> FloatArray:
-        """Return the times [s] at which flights in n winds are judged, ``(n,)``; `ends` [s]."""
-
-    def at_steps(self, times: FloatArray) -> Equations:
-        """Return the equations at begin, middle and end of S steps [s], `times` ``(n, S, 3)``."""
-
-
-class Encounter(Protocol):
-    """A wind as vehicles encounter it: `EncounteredWind`, `NominalWind` or `FlightWind`."""
-
-    @property
-    def history(self) -> History:
-        """A history with the breakpoints and rates of the wind."""
-
-    def at(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return wind angles [rad] and q/q_n (q_n: nominal q) at `times` [s], in their shape."""
-
-
-def step_counts(wind: History, motion: Motion) -> FloatArray:
-    """Return the steps of n winds between the k + 1 breakpoints of wind and motion, ``(n, k)``.
-
-    `STEP`, a step times the fastest rate, requires it; it is rounded up to one of four numbers in
-    each octave, so that winds of similar length have the same. `motion`: equations of a vehicle.
-    """
-    widths = np.diff(_breakpoints(wind, motion), axis=-1)
-    # complex rates s [1/s] of the terms e^(s t) between the breakpoints of the wind
-    rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
-    fastest = np.maximum(motion.fastest, np.ravel(rates))[:, np.newaxis]
-    with np.errstate(invalid="ignore"):  # a calm has no breakpoints
-        counts = np.maximum(np.ceil(widths * fastest / STEP), _MIN_STEPS)
-        quarter = 2.0 ** np.floor(np.log2(counts)) / 4.0  # a quarter of the power of two below
-        return np.where(widths > 0.0, np.ceil(counts / quarter) * quarter, 0.0 * widths)
-
-
-def _breakpoints(wind: History, motion: Motion) -> FloatArray:
-    """Return k + 1 breakpoints [s] of each of n winds and the motion, from its onset on.
-
-    The last one is the time at which the flight is judged, the end of the wind or later. `motion`:
-    equations of the vehicles over time. Breakpoints outside are moved to the nearer end.
-    """
-    knots = wind.knots.reshape(-1, wind.knots.shape[-1])
-    onset, end = (np.reshape(x, (-1, 1)) for x in (wind.onset, motion.judged_at(wind.end)))
-    more = motion.breakpoints
-    more = more[(more > np.min(onset)) & (more < np.max(end))]
-    rows = max(len(knots), len(end))
-    columns = [np.broadcast_to(x, (rows, x.shape[-1])) for x in (knots, more, end)]
-    return np.clip(np.sort(np.concatenate(columns, axis=-1), axis=-1), onset, end)
-
-
-def step_times(wind: History, motion: Motion, parts: float = 1) -> FloatArray:
-    """Return times [s] at begin, middle and end of S steps over each of n winds, ``(n, S, 3)``.
-
-    Breakpoints of winds and motion are ends of steps, which between them are even. `parts`: number
-    of substeps of each step, at least 1/4. `InputError` where a wind takes too many steps.
-    """
-    counts = step_counts(wind, motion).max(axis=0)
-    if not counts.sum() <= _MAX_STEPS:
-        slowest, lasts = 1.0 / motion.fastest.max(), np.max(wind.end - wind.onset)
-        raise InputError(
-            f"varying parameters can be followed for at most {_MAX_STEPS * STEP:.4g} times"
-            f" {slowest:.4g} s, the time of the fastest motion; this wind lasts {lasts:.4g} s:"
-            " check the moment of inertia and the forces, or shorten the wind"
-        )
-    knots = _breakpoints(wind, motion)
-    widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
-    intervals = []  # times of the n steps in each interval between two breakpoints
-    for i in np.flatnonzero(counts):
-        n = int(counts[i] * parts)
-        fractions = (np.arange(n)[:, np.newaxis] + inside) / n
-        times = knots[:, i, None, None] + widths[:, i, None, None] * fractions
-        times[:, -1, 2] = knots[:, i + 1]  # not beyond, by rounding
-        intervals.append(times)
-    return np.concatenate(intervals, axis=1)
-
-
-def even_steps(motion: Motion, span: tuple[float, float], parts: int = 1) -> FloatArray:
-    """Return times [s] at begin, middle and end of even steps over a span [s], ``(1, S, 3)``.
-
-    `motion`: its fastest rate sets their length. `parts`: number of substeps of each step.
-    """
-    begin, end = span
-    rate = max(motion.fastest.max(), _MIN_RATE_PER_S)
-    count = max(int(np.ceil((end - begin) * rate / _EVEN_STEP)), _MIN_EVEN_STEPS)
-    ends = np.linspace(begin, end, min(count, _MAX_STEPS) * parts + 1)
-    return np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
-
-
-def encountered_at_steps(
-    motion: Motion, encountered: Encounter | Sequence[Encounter], parts: float = 1
-) -> tuple[FloatArray, ...]:
-    """Return times [s], wind angles of attack [rad] and q/q_n over steps, ``(n, S, 3)`` each.
-
-    Of n winds at begin, middle and end of S steps; q_n is the nominal q. `motion`: its breakpoints
-    and fastest rate set the steps. `encountered`: winds, or a sequence of winds with equally many
-    steps. `parts`: substeps of each step. A wind that jumps as a step ends has its value before it.
-    """
-    if isinstance(encountered, Sequence):
-        winds = [encountered_at_steps(motion, wind, parts) for wind in encountered]
-        return tuple(np.concatenate(rows) for rows in zip(*winds, strict=True))
-    times = step_times(encountered.history, motion, parts)
-    begin, middle, end = np.moveaxis(times, -1, 0)
-    just_before = np.maximum(np.nextafter(end, -np.inf), middle)
-    wind, ratio = encountered.at(np.stack([begin, middle, just_before], axis=-1))
-    shape = np.broadcast_shapes(wind.shape, (len(motion.fastest), 1, 1))
-    return np.broadcast_to(times, shape), np.broadcast_to(wind, shape), ratio + np.zeros(shape)
-
-
-def with_calm_after(
-    equations: Equations, times: FloatArray, wind: FloatArray, ratio: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return times [s], wind angles [rad] and q/q_n with the calm after the wind, ``(n, S, 3)``.
-
-    `equations`: of n cases, or common to all. `times` [s], `wind` [rad], `ratio`: times, wind
-    angles and q/q_n, dynamic pressure over the nominal one, at begin, middle and end of the steps
-    over the wind, ``(n, S, 3)``; times may be common, ``(1, S, 3)``.
-    """
-    count = int(steps_after(equations).max())
-    rate = np.where(equations.fastest > 0.0, equations.fastest, 1.0)  # [1/s]
-    step = (_CALM_STEP_OVER_TIME_CONSTANT / rate)[:, np.newaxis, np.newaxis]
-    # from the end of the last step on
-    calm = times[:, -1:, 2:] + step * (np.arange(count)[:, np.newaxis] + [0.0, 0.5, 1.0])
-    after = (0, 0), (0, calm.shape[1]), (0, 0)  # widths to pad: behind the steps
-    times = np.concatenate([times, calm], axis=1)
-    return times, np.pad(wind, after), np.pad(ratio, after, constant_values=1.0)
-
-
-def steps_after(equations: Equations) -> IndexArray:
-    """Return the number of steps after the wind in flights of trim within a limit, ``(n,)``.
-
-    `equations`: of n cases. The calm lasts `_CALM_OVER_TIME_CONSTANT` of the unstable pole, in
-    steps of the fastest rate. The number is zero where the flight path is slow beside the attitude
-    (not `quick_path`): there a limit that survives the wind also survives the calm.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # fastest rate over the unstable pole, at least one; NaN without an unstable pole
-        rate_over_pole = np.maximum(equations.fastest / np.maximum(equations.end_pole, 0.0), 1.0)
-    counts = np.ceil(_CALM_OVER_TIME_CONSTANT / _CALM_STEP_OVER_TIME_CONSTANT) * np.where(
-        np.isnan(rate_over_pole), 1.0, np.ceil(rate_over_pole)
-    )
-    quick = np.broadcast_to(equations.quick_path, counts.shape)
-    return np.where(quick, np.minimum(counts, _MAX_STEPS), 0.0).astype(int)
 
 
 @dataclass(frozen=True, eq=False)
@@ -313,14 +145,14 @@ def varying_requirement(
     # survives if trim leaves the dead band at K times it, and the time of this exit
     peaks, limit, time = _peaks_and_exits(winds, trim_and_demand, dead_band)
     minimum = np.maximum(fastest_minimum, peaks)
-    paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
     # the limit with which trim never exits the dead band: no more is required
     trim_over_band = trim / dead_band if dead_band > 0.0 else np.full(trim.shape, np.inf)
     # it is required where a constant limit may drive the vehicle in either direction: unstable
     # modes are a pair at any step, or the moment or the effect of the deflection changes its sign
-    without_exit = np.any(paired, axis=(1, 2)) | equations.reverses
+    without_exit = np.any(equations.paired, axis=(1, 2)) | equations.reverses
     within_dead_band = np.where(without_exit & (trim > 0.0), trim_over_band, 0.0)
     if dead_band == 1.0:
+        paired = np.broadcast_to(equations.paired, trim_and_demand.trim.shape)
         limit, time = trim_and_demand.limit_of_trim_law(paired)
         required = np.maximum(limit, minimum)
         if flights:
@@ -350,7 +182,8 @@ def _peaks_and_exits(
     if dead_band < 1.0:
         with np.errstate(divide="ignore", invalid="ignore"):
             limit, time = trim_and_demand.limit_of_dead_band(dead_band)
-        ratios = trim_and_demand.trim_ratios(dead_band) if dead_band > 0.0 else None
+        if dead_band > 0.0 and winds.equations.modes:
+            ratios = trim_and_demand.trim_ratios(dead_band)
     # minimum peaks from the ends of steps on, (k, S + 1), of k cases with equally many modes
     for cases, peaks in winds.peaks_over_modes(trim_and_demand.path, ratios):
         minimum[cases] = np.maximum(minimum[cases], peaks[:, 0])  # from the onset on
@@ -375,9 +208,9 @@ def batch_requirements(
     no case depends on others.
     """
     count = max(len(equations.end), encountered.count)  # number of cases
-    counts = step_counts(encountered.history, equations)
+    _knots, counts = step_counts(encountered.history, equations)
     counts = np.broadcast_to(counts, (count, counts.shape[-1]))
-    finite = np.flatnonzero(counts.sum(axis=-1) <= _MAX_STEPS)  # not NaN, of a calm
+    finite = np.flatnonzero(counts.sum(axis=-1) <= MAX_STEPS)  # not NaN, of a calm
     # the steps of the calm after the wind are a column too: cases of one batch have them in common
     counts = np.insert(counts, 0, steps_after(equations), axis=-1)
     required = np.full(count, np.nan)
@@ -557,8 +390,9 @@ class SteppedWinds:
         none. `path`: the m - 2 states beyond attitude and rate, under trim, at these ends, ``(n, S
         + 1, m - 2)``. `trim_ratios`: trim over K [rad] there; None: peaks from the onset suffice.
         """
-        steps, costates_and_reaches, _onset = self._for_kernels()  # fastest mode: ``(n, m + 1)``
         for modes in self.equations.modes:
+            # costate and control reach of the fastest mode: ``(n, m + 1)``
+            steps, costates_and_reaches, _onset = self._for_kernels()
             # equations that are common to all winds have their modes in all
             cases = modes.cases if len(self.equations.end) > 1 else np.arange(len(path))
             selected = marches.VaryingSteps(*(x if len(x) == 1 else x[cases] for x in steps))

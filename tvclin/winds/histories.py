@@ -326,7 +326,7 @@ class History(Record, ABC):
         samples = [np.broadcast_to(group, (*shape, group.shape[-1])) for group in groups]
         return np.sort(np.concatenate(samples, axis=-1), axis=-1)
 
-    @property
+    @cached_property
     def _nonzero(self) -> BoolArray:
         """Whether each piece of the history has a width and is not zero, ``(..., n)``."""
         c = self.pieces.coefficients  # column by column: numpy is slow along short axes

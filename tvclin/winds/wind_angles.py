@@ -13,7 +13,7 @@ so that the wind angles of attack in pitch and yaw and the dynamic pressure over
 
 A wind that is given by its angles is that whose triangle has them,
 
-    w = sin(alpha)/sin(Theta_n + alpha),    c = v tan(beta).
+    w = sin(alpha)/sin(Theta_n + alpha),  v = sin(Theta_n)/sin(Theta_n + alpha),  c = v tan(beta).
 
 Where only the speed V_R through the air is known, eq (B1e) of the report gives the wind angle,
 
@@ -93,10 +93,16 @@ def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:
     By the sine rule in the wind triangle w = sin(alpha)/sin(Theta_n + alpha), positive from behind.
     `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle.
     """
+    return np.asarray(np.sin(angle) / _sine_of_airspeed(path, angle))
+
+
+def _sine_of_airspeed(path: ArrayLike, angle: ArrayLike) -> FloatArray:
+    """Return sin(Theta_n + alpha), the sine of the path through the air, in winds along a path.
+
+    `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle.
+    """
     sine = np.sin(np.add(path, angle))
-    possible = (np.sin(path) > 0.0) & (sine > 0.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(possible, np.sin(angle) / sine, np.nan)
+    return np.where((np.sin(path) > 0.0) & (sine > 0.0), sine, np.nan)
 
 
 def pressure_ratio(path: ArrayLike, angle: ArrayLike) -> FloatArray:
@@ -385,13 +391,19 @@ class EncounteredWind:
             time, paths, speed_ratio = self.flight
             path = np.interp(times, time, paths)
             speed = speed / np.interp(times, time, speed_ratio)
+        pitch, yaw = in_pitch * angle, in_yaw * angle
+        if self.speed is None:  # both angles are given, and with them the speed of the air
+            v = np.sin(path) / _sine_of_airspeed(path, pitch) if np.any(in_pitch) else 1.0
+            known = np.where(np.isnan(v), np.nan, 1.0)
+            airspeed = v / np.cos(yaw) if np.any(in_yaw) else v + 0.0 * yaw
+            return known * pitch, known * yaw, airspeed**2
         along, across = (fraction * speed for fraction in self.of_speed)
-        if self.angle is not None and np.any(in_pitch):
-            along = along + along_from_angle(path, in_pitch * angle)
-        if self.angle is not None and np.any(in_yaw):
+        if np.any(pitch):
+            along = along + along_from_angle(path, pitch)
+        if np.any(yaw):
             # airspeed in the pitch plane, over the speed of the vehicle
             in_plane = np.sqrt((np.cos(path) - along) ** 2 + np.sin(path) ** 2)
-            across = across + in_plane * np.tan(in_yaw * angle)
+            across = across + in_plane * np.tan(yaw)
         return wind_triangle(path, along, across)
 
     def check_linear(self) -> None:

@@ -19,6 +19,7 @@ from tvclin.time_varying import requirements as time_varying
 from tvclin.time_varying.curves import Curves, smaller
 from tvclin.time_varying.equations import Equations
 from tvclin.time_varying.requirements import SteppedWinds
+from tvclin.time_varying.steps import even_steps, with_calm_after
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.winds.histories import History
 
@@ -97,7 +98,7 @@ class PlaneMarch:
     @cached_property
     def _steps(self) -> tuple[FloatArray, Equations]:
         """Times [s] at begin, middle and end of even steps, ``(1, S, 3)``, and their equations."""
-        steps = time_varying.even_steps(self.fastest, self._span)
+        steps = even_steps(self.fastest, self._span)
         return steps, self.motion.at_steps(steps)
 
     @cached_property
@@ -107,10 +108,10 @@ class PlaneMarch:
         The equations, not the times returned, go on through the calm after the interval, in which a
         flight may still diverge.
         """
-        steps = time_varying.even_steps(self.fastest, self._span, time_varying.FLIGHT_SUBSTEPS)
+        steps = even_steps(self.fastest, self._span, time_varying.FLIGHT_SUBSTEPS)
         unused = np.zeros(steps.shape)  # in place of wind and dynamic pressure
         _, even_equations = self._steps
-        times, *_unused = time_varying.with_calm_after(even_equations, steps, unused, unused)
+        times, *_unused = with_calm_after(even_equations, steps, unused, unused)
         return steps, self.motion.at_steps(times)
 
     @property
@@ -269,7 +270,7 @@ class PlaneMarch:
         _, even_equations = self._steps
         # times [s], wind angles [rad] and q/q_n over the steps, and the onset
         *encountered, onset = self.path.encountered(steps, winds, self.plane)
-        times, wind, ratio = time_varying.with_calm_after(even_equations, *encountered)
+        times, wind, ratio = with_calm_after(even_equations, *encountered)
         return SteppedWinds(equations, times, wind, ratio, onset)
 
 

@@ -40,6 +40,7 @@ from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.case.case import Case
+from tvclin.linear.modes import left_eigenvectors
 from tvclin.requirement.case_requirement import case_requirement, pulse_of
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.required_quantity import Requirement
@@ -53,7 +54,8 @@ from tvclin.time_varying.equations import (
     unstable_end,
     unstable_modes_of,
 )
-from tvclin.time_varying.requirements import MAX_BATCH_STEPS, step_times, varying_requirement
+from tvclin.time_varying.requirements import MAX_BATCH_STEPS, varying_requirement
+from tvclin.time_varying.steps import step_times
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import at_pressure
 from tvclin.winds.shaped import ShapedWind, encountered_wind
@@ -198,7 +200,7 @@ class FlightMode:
         costates = np.stack(costate, axis=-1)[reverses, np.newaxis]
         # of winds in which p.b changes its sign: the fastest mode alone, whose pole is not used
         single = UnstableModes(np.flatnonzero(reverses), np.ones(costates.shape[:2]), costates)
-        several = unstable_modes_of(nominal[:, -1, 2, :, :order])
+        several = unstable_modes_of(*left_eigenvectors(nominal[:, -1, 2, :, :order]))
         constant = ~_reverses(reach, absolute_reach)  # winds after which p.b keeps its sign
         modes = [single]
         for group in several:  # positions stay those in the batch of winds
