@@ -309,13 +309,7 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
     command with the program, as "tvclin study".
     """
     from tvclin.case.features import refusal
-    from tvclin.cli.settings import (
-        field_key,
-        option_of_key,
-        required_with,
-        similar_key,
-        without_unit,
-    )
+    from tvclin.cli import settings
 
     if context is None:
         return None
@@ -326,20 +320,20 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
             f"{path} takes no --at: --from TIME --to TIME gives one flight time (tvclin study"
             " VEHICLE --at TIME answers at one)"
         )
-    name = without_unit(option.replace("-", "_"))
-    same = [flag for flag in flags if without_unit(flag.replace("-", "_")) == name]
+    name = settings.without_unit(option.replace("-", "_"))
+    same = [flag for flag in flags if settings.without_unit(flag.replace("-", "_")) == name]
     if same:
         return f"{path} takes no {option}: did you mean {same[0]}?"
     settable = "--set" in flags
-    refused = refusal(command, option, field_key(option) if settable else None)
-    key = similar_key(option) if settable else None
-    if not refused and key and (flag := option_of_key(key, flags)):
+    refused = refusal(command, option, settings.field_key(option) if settable else None)
+    key = settings.similar_key(option) if settable else None
+    if not refused and key and (flag := settings.option_of_key(key, flags)):
         return f"{path} takes no {option}: did you mean {flag}?"
     if refused or not key:
         return refused
-    keys = required_with(key, option)
-    settings = " ".join(f"--set {name} VALUE" for name in keys)
-    return f"{path} takes no {option}: {settings} {'gives' if len(keys) == 1 else 'give'} it"
+    keys = settings.required_with(key, option)
+    values = " ".join(f"--set {name} VALUE" for name in keys)
+    return f"{path} takes no {option}: {values} {'gives' if len(keys) == 1 else 'give'} it"
 
 
 def _say(words: str) -> None:
