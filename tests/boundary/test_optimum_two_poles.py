@@ -102,6 +102,14 @@ def test_at_y_of_one_the_switch_is_never_or_at_once():
     assert switch_time((0.01, 0.5), (1.0, 0.0)) == pytest.approx(np.log(2.0) / 0.5)
 
 
+@pytest.mark.parametrize("apart", [2.0**-30, -(2.0**-30)])
+def test_near_y_of_one_a_switch_at_once_and_one_that_is_late_lose_no_digits(apart):
+    poles, demands = (0.5, 2.0), (2.0 * (1.0 + apart), 0.5)  # both p_i d_i are exact
+    time, (_, precise) = switch_time(poles, demands), precise_pair(poles, demands)
+    assert time == pytest.approx(float(precise), rel=1e-13, abs=0.0)
+    assert time < 1e-8 if apart > 0.0 else time > 40.0
+
+
 @given(y=st.floats(-50.0, 50.0), ratio=st.floats(1e-3, 0.95))
 def test_the_switch_variable_solves_eq_c6(y, ratio):
     x = switch_variable(y, ratio)
@@ -138,6 +146,27 @@ def test_the_duration_up_to_which_one_pole_decides():
     many = longest_single_pole_duration(np.array([[0.01], [0.02]]), 0.5, [1.0, 0.7, 0.001])
     assert many.shape == (2, 3)
     assert np.all(np.isnan(many[:, 2]))
+
+
+def test_a_duration_is_inverse_to_the_rates_and_none_where_the_slow_pole_never_requires_as_much():
+    tau = longest_single_pole_duration(0.01, 0.5, 0.7)
+    assert longest_single_pole_duration(1.0, 50.0, 0.7) == pytest.approx(tau / 100.0, rel=1e-12)
+    shares = np.expm1(-tau * 0.01 / 2.0) / np.expm1(-tau * 0.5 / 2.0)
+    assert 0.7 * 0.5 / 0.01 * shares**2 == pytest.approx(1.0, rel=1e-12)  # eq (C8)
+    # y rises from K1_ratio beta1/beta2 to K1_ratio beta2/beta1: it is 1 for no wind alone, above 1
+    # for every wind, 1 for a wind without end alone, and below 1 for every wind.
+    assert np.isnan(longest_single_pole_duration(0.25, 0.5, [2.0, 2.5, 0.5, 0.4])).all()
+
+
+def test_drift_factors_of_opposite_signs_have_no_validity():
+    numbers = {"mu_alpha": 0.3, "mu_delta": 2.6, "C1": 0.025, "C2": 0.004, "b1": 0.03}
+    poles = tvclin.unstable_modes(
+        Plant.from_coefficients(Coefficients(**numbers, b2=0.02), "drift-exact")
+    ).poles
+    assert poles[0] > 0.03 > poles[1] > 0.0  # the factors p + b2 of b2 = -0.03
+    assert np.isnan(single_pole_validity(Coefficients(**numbers, b2=-0.03)))
+    both = single_pole_validity(Coefficients(**numbers, b2=[-0.03, 0.02]))
+    assert np.isnan(both).tolist() == [True, False]
 
 
 def test_where_the_fast_pole_leaves_no_trace_its_neglect_is_exact():
