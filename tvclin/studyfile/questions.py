@@ -408,25 +408,25 @@ def _probability(findings: Findings, limit: float) -> Question:
     confidence of the plan, an upper bound, which is the required deflection [rad]; with too few
     cases the bound is infinite, and the interval of the success probability may still say no.
     """
-    d = findings.dispersed
-    if d is None:
+    dispersed = findings.dispersed
+    if dispersed is None:
         return Question("probability", None, (_reason(findings, "dispersed"),))
-    r = d.required
-    flights = significant("answer.probability", 100.0 * r.probability, 5, "% of flights")
-    yes, success = d.sufficient, d.success
+    required = dispersed.required
+    flights = significant("answer.probability", 100.0 * required.probability, 5, "% of flights")
+    yes, success = dispersed.sufficient, dispersed.success
     if yes is None:
-        few: Line = "too few cases to judge ", *flights, r.few_cases
-        unknown = d.unknown_cases.rstrip(".")
+        few: Line = "too few cases to judge ", *flights, required.few_cases
+        unknown = dispersed.unknown_cases.rstrip(".")
         return Question("probability", None, (unknown,) if unknown else few)
-    if np.isinf(r.estimate):
+    if np.isinf(required.estimate):
         return Question("probability", False, (*flights, " require more than any limit"))
-    if np.isinf(r.upper) and success is not None:
+    if np.isinf(required.upper) and success is not None:
         upper = number("answer.success", 100.0 * success.upper, 2)
         words: Line = ("sufficient in at most ", *upper, " %, not in ", *flights)
         return Question("probability", False, words)
-    line = ("covers ", *flights, f", with {100.0 * r.confidence:g} % confidence")
-    clause = f"{text(flights)} require"
-    return Question("probability", yes, line, required_deflection=float(r.upper), clause=clause)
+    line = ("covers ", *flights, f", with {100.0 * required.confidence:g} % confidence")
+    clause, upper_bound = f"{text(flights)} require", float(required.upper)
+    return Question("probability", yes, line, required_deflection=upper_bound, clause=clause)
 
 
 def _autopilot(findings: Findings, limit: float) -> Question:

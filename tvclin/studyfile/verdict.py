@@ -290,8 +290,9 @@ def _row(question: Question, answer: str) -> tuple[Line, ...]:
     if question.measure is not None:
         cells = measured(f"answer.{question.name.replace(' ', '_')}", question.measure)
         if question.yes is None:
-            required = cells[0] if np.isfinite(question.measure.required) else ("",)
-            cells = (required, cells[1], ("",))
+            required, available, _remaining = cells
+            known = np.isfinite(question.measure.required)
+            cells = (required if known else ("",), available, ("",))
     quantity = f"{question.quantity}: " if question.quantity else ""
     return ((question.name,), (answer,), *cells, (quantity, *question.line))
 

@@ -92,7 +92,8 @@ def grid_optimum(constraints: Constraints, cells: FloatArray) -> tuple[FloatArra
         stage = _linear_program(cost / unit, rows, remaining)
         if stage is None:
             break
-        levels[first:], prices[~determined] = stage[0], stage[1] * unit / sizes[~determined]
+        levels[first:], stage_prices = stage
+        prices[~determined] = stage_prices * unit / sizes[~determined]
         determined |= np.abs(prices) * sizes > _RELATIVE_LP_TOLERANCE * unit
     return levels, prices
 

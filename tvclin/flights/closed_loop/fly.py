@@ -204,7 +204,8 @@ def _continuous(
     [rad/s]. `actuator`: nozzle dynamics, if any. `gain`: factor on the demand of the law.
     `InputError` for noise and filters of a law, and a rate limit without an actuator.
     """
-    if law.rate_noise[0]:
+    noise, _seed = law.rate_noise
+    if noise:
         raise InputError("noise belongs to samples; give a sample_rate")
     if any(law.chains):
         raise InputError("filters are flown by samples; give a sample_rate")
