@@ -463,7 +463,7 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     line: Line = (f"{_FLOWN}; ", *free)
     if np.isinf(nominal):
         line = ("no limit that was tried survives; ", *free)
-    elif requirement.head is not None:
+    elif requirement.head is not None:  # flown at the pressure of the wind's peak, an upper bound
         clause += f", by the bound for a {findings.study.direction} wind"
         at_nominal = degrees("answer.calm", nominal, unit="deg")
         flown = "no limit that was tried survives" if np.isinf(requirement.deflection) else _FLOWN

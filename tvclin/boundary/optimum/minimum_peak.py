@@ -340,8 +340,9 @@ def peaks_for_demands(
 
     `poles`: `separated_poles` [1/s], the fastest first, ``(n, m)``; NaN for no pole; a pair has
     both. `demands`: d from the start of the control on [rad s], ``(n, m)``, see below; infinite
-    where the deflection does not reach a pole. `sufficient`: peaks [rad], ``(n,)``, to be
-    returned for three poles where they are proved to be no less than the minimum.
+    where the deflection does not reach a pole. `sufficient`: limits [rad], ``(n,)``, of
+    callers that count the larger of limit and minimum: returned for three poles where it is proved
+    to be no less than the minimum, without a search.
 
     A demand d, eq (C1) of the report, is the integral of e^(-p t) delta dt that cancels the mode of
     the pole p. One pole requires ``|p d|``; two real poles and a pair have formulas; more take a

@@ -147,7 +147,7 @@ def motion(plan: StudyPlan, law: str) -> Motion:
 def outcome(plan: StudyPlan, law: str) -> str | None:
     """Return the outcome of the flight of a law of a plan, a status of `FlownCases`.
 
-    `law`: name of the law; None is returned for `REPORT`.
+    `law`: name of the law; None is returned for `REPORT`, trim then hold, which is not flown.
     """
     if law == REPORT:
         return None
