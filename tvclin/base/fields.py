@@ -411,7 +411,10 @@ def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
     """
 
     def mark(getter: _Getter) -> _Getter:
-        """Attach the `Field` to the getter of a property, and return the getter."""
+        """Attach a `Field` of `kind`, with all else in `more`, to a getter, and return the getter.
+
+        The specification of an attribute is a tuple of fields, here of one.
+        """
         setattr(getter, _SPECIFICATION, (Field(kind=kind, **more),))
         return getter
 

@@ -288,9 +288,9 @@ def field_key(option: str) -> str | None:
 
 
 def required_with(key: str, option: str) -> list[str]:
-    """Return a `key`, and for an `option` with the name of its table the keys that this requires.
+    """Return a `key`, and the keys that its table requires if the `option` is named like the table.
 
-    Of --gust they are ``gust.peak_deg`` and ``gust.duration_s``.
+    With --gust and a key of [gust] they are the key, ``gust.peak_deg`` and ``gust.duration_s``.
     """
     from tvclin.studyfile.keys import all_keys
     from tvclin.studyfile.settings import quantity_name, required_names
@@ -299,6 +299,7 @@ def required_with(key: str, option: str) -> list[str]:
     if option.strip("-") != heading:
         return [key]
     required = [f"{heading}.{name}" for name in required_names(heading)]
+    # `required` has names without units, such as gust.peak
     others = (k.name for k in all_keys() if quantity_name(k.name) in required)
     return list(dict.fromkeys((key, *others)))
 

@@ -97,9 +97,10 @@ def along_from_angle(path: ArrayLike, angle: ArrayLike) -> FloatArray:
 
 
 def _sine_of_airspeed(path: ArrayLike, angle: ArrayLike) -> FloatArray:
-    """Return sin(Theta_n + alpha), the sine of the path through the air, in winds along a path.
+    """Return sin(Theta_n + alpha_w), of the angle of the airspeed above the horizontal.
 
-    `path`, `angle`: Theta_n and alpha [rad]. NaN where no horizontal wind has the angle.
+    `path`, `angle`: nominal flight path Theta_n and wind angle alpha_w [rad]. NaN where no
+    horizontal wind along the path has the angle.
     """
     sine = np.sin(np.add(path, angle))
     return np.where((np.sin(path) > 0.0) & (sine > 0.0), sine, np.nan)

@@ -315,9 +315,10 @@ class Window:
         """Return multipliers lambda ``(n,)`` whose sum lambda . e is zero, or smallest, at `times`.
 
         They are the right singular vector of the smallest singular value of the exponentials e_i of
-        the unstable poles (`Constraints.basis`) at these times [s], ``(k,)``, with rows and columns
-        scaled to like sizes against rounding. Without times they are the demands over the squared
-        `sizes` of the e_i (bounds of their L1 norms).
+        the unstable poles (`Constraints.basis`) at these times [s], ``(k,)``, each exponential
+        scaled to the size one, against rounding, and each time weighted by the largest of them.
+        Without times they are the demands d_i over the squared `sizes` of the e_i (bounds of their
+        L1 norms): d_i is the integral of e_i times the deflection that cancels a mode.
         """
         c = self.constraints
         if not times.size:

@@ -296,8 +296,9 @@ def turbulence_along(
     noise : SensorNoise, optional
         White noise of the sensors.
     loads : LoadSlopes, optional
-        Slopes of loads, one number or one for each time of the schedule, and a low-pass. A schedule
-        with altitudes has the output "q_alpha" by itself.
+        Loads per angle of attack and per deflection, one number or one for each time of the
+        schedule, and the low-pass of their sensor. A schedule with altitudes has the output
+        "q_alpha" by itself.
 
     Raises
     ------

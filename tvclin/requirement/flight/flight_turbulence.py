@@ -451,11 +451,11 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
 
 
 def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _Responses]:
-    """Return standard deviations over the flight and responses to a pulse, by its direction.
+    """Return by direction the responses of the loop to a pulse, and its covariance in turbulence.
 
     `loop`: autopilot and vehicle over the flight. `wind`: a pulse, or a function from a vehicle to
-    it. `signed`: whether it may be a head or a tail wind. Flight times at which the pulse is not
-    known or zero are omitted.
+    it. `signed`: whether both a head and a tail wind are computed, where the case does not say
+    which. Flight times at which the pulse is not known or zero are omitted.
     """
     case, schedule = loop.case, loop.schedule
     rows: dict[str, list[_PulseRow]] = {}  # by direction, at all flight times
