@@ -1253,6 +1253,10 @@ def doors(folder: Path) -> dict[str, Door]:
             tv.ShapedWind("triangular", 0.09, 7.5, gust=gust).with_gust_speed,
             {"speed": 20.0, "vehicle": slow, "plane": "pitch"},
         ),
+        "ShapedWind.for_vehicle": Door(
+            tv.ShapedWind("triangular", 0.09, 7.5).with_speed(20.0, slow, "pitch").for_vehicle,
+            {"vehicle": slow, "plane": "yaw"},
+        ),
         "ShapedWind.in_plane": Door(slanting.in_plane, {"plane": "pitch", "attitude": 0.8}),
         "ShapedWind.in_planes": Door(
             slanting.in_planes, {"values": {"wind_peak": 0.08}, "attitude": 0.8}

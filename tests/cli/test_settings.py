@@ -348,3 +348,61 @@ def test_a_campaign_takes_keys_too(tmp_path):
     )
     assert code == 0, error
     assert "4 of 4" in said
+
+
+SPEEDS = STUDY.replace("peak_deg = 5.0", "peak_speed_m_per_s = 40") + (
+    "[gust]\npeak_speed_m_per_s = 30\nduration_s = 2\n"
+)
+"""A study whose wind and gust are speeds, with other angles in each plane."""
+
+
+@pytest.mark.parametrize(
+    ("option", "key"),
+    [
+        (("--plane", "yaw"), "study.plane=yaw"),
+        (("--peak-deg", "8"), "wind.peak_deg=8"),
+        (("--peak-speed", "20"), "wind.peak_speed_m_per_s=20"),
+    ],
+)
+@pytest.mark.parametrize("question", [("study",), ("boundary",), ("ascent", "--from", "66")])
+def test_an_option_over_the_speeds_of_a_file_says_what_its_key_says(
+    tmp_path, question, option, key
+):
+    command, *more = question
+    text = SPEEDS + "[nozzle]\nlimit_deg = 0.6\n"
+    text += "[size]\nto_s = 66\n" if command == "ascent" else ""
+    arguments = (command, study_of(tmp_path, text=text), *more, "--json")
+    by_option, by_key = (ran(*arguments, *given) for given in (option, ("--set", key)))
+    assert by_option[:2] == by_key[:2]
+    assert by_option[:2] != ran(*arguments)[:2]  # it counts
+
+
+def test_the_plane_of_an_option_is_that_of_the_gust_on_a_sounding(tmp_path):
+    sounding = f'[[wind]]\nsounding = "{SOUNDING}"\nazimuth_deg = 90\n'
+    gust = "[gust]\npeak_speed_m_per_s = 9\nduration_s = 2\n"
+    head = '[study]\nvehicle = "configuration-i"\ntime_s = 66\n'
+    file = study_of(tmp_path, text=head + sounding + gust)
+    by_option, by_key = (
+        ran("boundary", file, "--json", *given)
+        for given in (("--plane", "yaw"), ("--set", "study.plane=yaw"))
+    )
+    assert by_option[0] == 0
+    assert by_option[:2] == by_key[:2]
+
+
+def test_a_gust_without_a_time_is_where_the_dead_band_of_the_file_requires_most(tmp_path):
+    gust = "[gust]\npeak_deg = 1.0\nduration_s = 1.5\n"
+    text = STUDY.replace("[study]", "[study]\ndead_band = 0.5").replace("= 5.0", "= 1.0") + gust
+    file = study_of(tmp_path, text=text)
+    study = json.loads(ran("study", file, "--json")[1])
+    rows = study["boundaries"]["drift-exact"]
+    required = rows["required_deflection_deg"][rows["dead_band"].index(0.5)]
+    assert required == pytest.approx(study["verdict"]["nominal_deflection_deg"], rel=1e-12)
+    less = str(0.97 * required)  # suffices for the gust where K = 1 requires most
+    for command in (("respond",), ("fly", "--law", "report")):
+        answered = json.loads(ran(*command, file, "--limit-deg", less, "--json")[1])
+        assert answered["survived"] is False
+    bound = json.loads(ran("boundary", file, "--json")[1])["peak_deg"]
+    assert bound == pytest.approx(study["minimum_deg"]["drift-exact"], rel=1e-9)
+    trade_off = json.loads(ran("nozzle", file, "--json")[1])["trade_off"]
+    assert trade_off["minimum_deflection_deg"] == pytest.approx(bound, rel=1e-9)

@@ -24,7 +24,7 @@ from tvclin.cli.options import (
     option,
 )
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
-from tvclin.cli.wind import WindOptions, cut_condition
+from tvclin.cli.wind import WindOptions, cut_condition, with_gust_for
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.requirement.case_requirement import study_requirement
@@ -90,6 +90,7 @@ def boundary(
         case = case_of(
             vehicle, model.applied_to, wind=winds.applied_to, questions=("boundary",), time=time
         )
+        case = with_gust_for(case, case.dead_band)
         title = winds.title(case, vehicle)
         print_in_wind(case, winds, title, dead_bands, (start, horizon), more, shown)
         return

@@ -33,7 +33,7 @@ from tvclin.cli.options import (
     option,
 )
 from tvclin.cli.output import answer, bar, draw, print_answer, print_tables, say, waiting
-from tvclin.cli.wind import FlightOptions, WindOptions, winds_in_flight
+from tvclin.cli.wind import FlightOptions, WindOptions, winds_in_flight, with_gust_for
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.design.gain_designs import specified_autopilot
@@ -199,7 +199,8 @@ def fly(
     note_single_time(vehicle, time)
     with faults.collect():
         case = single.applied_to(case, vehicle)
-    engine, varying, *law_and_dead_band = choice.resolved(vehicle, case, law_options, model)
+    engine, varying, law, band = choice.resolved(vehicle, case, law_options, model)
+    case = with_gust_for(case, band)
     name, cases = single.name(case), {"": case}
     with faults.collect():
         cases = winds_in_flight(case) if varying else cases
@@ -207,7 +208,7 @@ def fly(
         condition = load_flight_condition(vehicle_source(vehicle)) if varying else None
     faults.raise_all()
     with waiting("flying"):
-        flown = {k: Flying(case, name, *law_and_dead_band) for k, case in cases.items()}
+        flown = {k: Flying(case, name, law, band) for k, case in cases.items()}
         answer = _flown(flown, engine, condition, more)
     if not answer.show(shown, more):
         raise typer.Exit(1)

@@ -5,6 +5,8 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from tvclin.ascent.measured_wind import GustOfSpeed
+from tvclin.ascent.wind_along import SoundingWind
 from tvclin.base.errors import InputError
 from tvclin.base.files import EditedSource
 from tvclin.base.lines import listed
@@ -22,6 +24,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
 from tvclin.vehicle.vehicle_file import is_schedule, source_tables
+from tvclin.winds.shaped import ShapedWind
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -65,13 +68,26 @@ def case_of(
     if "study" not in questions:  # which has them among its own notes
         note_vehicle_warnings(plan.vehicle)
     note_pressure_warnings(source)
+    plane = plan.plane
     for change in changes:
         plan = change(plan)
+    if plan.plane != plane:
+        plan = replace(plan, wind=_wind_in_own_plane(plan))
     if wind is not None:
         plan = wind(plan, source)
     if questions:
         note_omissions(plan, *questions)
     return without_structure(plan) if any(map(is_rigid_only, questions)) else plan
+
+
+def _wind_in_own_plane(plan: StudyPlan) -> Any:
+    """Return the wind of a plan, with the angles that its speeds have in the plane of the plan."""
+    wind = plan.wind
+    if isinstance(wind, SoundingWind) and isinstance(wind.gust, GustOfSpeed):
+        return replace(wind, gust=replace(wind.gust, plane=plan.plane))
+    if isinstance(wind, ShapedWind) and isinstance(plan.vehicle, Vehicle):
+        return wind.for_vehicle(plan.vehicle, plan.plane)
+    return wind
 
 
 def keys_set(source: str) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ from tvclin.cli.options import (
     switch,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, waiting
-from tvclin.cli.wind import FlightOptions, WindOptions, cut_condition
+from tvclin.cli.wind import FlightOptions, WindOptions, cut_condition, with_gust_for
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
@@ -191,6 +191,7 @@ def _case_in_a_wind(
     case = case_of(vehicle, *changes, wind=winds.applied_to, questions=(question,), time=time)
     if not options.names and not options.laws:
         note_omissions(case, f"{question} without --law")
+        return with_gust_for(case, case.dead_band)  # bounds of the control of the study
     return case
 
 

@@ -28,7 +28,7 @@ from tvclin.cli.options import (
     option,
 )
 from tvclin.cli.output import answer, print_answer
-from tvclin.cli.wind import WindOptions, wind_words
+from tvclin.cli.wind import WindOptions, wind_words, with_gust_for
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import (
     COMPLETE,
@@ -226,6 +226,7 @@ def respond(
     plan = case_of(vehicle, *changes, wind=winds.applied_to, questions=("respond",), time=time)
     if capability is not None and not limit.values:
         plan = replace(plan, nozzle=replace(plan.nozzle, limit=None))
+    plan = with_gust_for(plan, plan.dead_band)
     trim = bounded_trim(plan, winds.name(plan), plan.dead_band, capability, until)
     # extremes of the attitude, and the time up to which the response is shown
     largest, shown = trim.followed(until * float(trim.wind.end))

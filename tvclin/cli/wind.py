@@ -76,14 +76,16 @@ class PulseOptions(_Pulse):
             return plan
         wind = wind if isinstance(wind, ShapedWind) else DEFAULT_WIND
         duration = number("--duration", chosen(self.duration, wind.duration), positive, "s")
-        peak = wind.peak
+        peak, speed = wind.peak, wind.speed
         if self.peak_deg is not None:
             peak = float(np.radians(number("--peak-deg", self.peak_deg, nonzero, "deg")))
+            speed = None  # the angle replaces the speed of the file
         wind = replace(
             wind,
             shape=wind.shape if shape is None else one_of("--wind", shape, SHAPES),
             duration=duration,
             peak=peak,
+            speed=speed,
         )
         if wind.heading is None and not _has_soundings(plan):
             only_with(self.directed, azimuth_deg=self.azimuth_deg)
@@ -297,6 +299,17 @@ def winds_in_flight(plan: StudyPlan) -> dict[str, StudyPlan]:
         name: replace(plan, wind=wind * (sign * float(np.sign(wind.peak))))
         for name, sign in signs.items()
     }
+
+
+def with_gust_for(plan: StudyPlan, dead_band: float | None) -> StudyPlan:
+    """Return a plan whose gust is at its time, or where a control requires most, as in a study.
+
+    `dead_band`: K of the control; None for one without a dead band, of which K = 1 is taken.
+    """
+    wind = plan.wind
+    if dead_band in (None, 1.0) or not isinstance(wind, ShapedWind) or wind.gust is None:
+        return plan
+    return replace(plan, wind=plan.wind_at(dead_band))
 
 
 def wind_direction(plan: StudyPlan) -> str:

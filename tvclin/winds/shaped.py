@@ -142,6 +142,16 @@ class ShapedWind:
         gust = self.gust * (peak / float(self.gust.peak))
         return replace(self, gust=gust, gust_speed=speed)
 
+    def for_vehicle(self, vehicle: Vehicle, plane: str) -> ShapedWind:
+        """Return the wind with the peak angles of its speeds, where it has these, for a vehicle.
+
+        `vehicle`, `plane`: as for `with_speed` and `with_gust_speed`, whose errors apply.
+        """
+        wind = self if self.speed is None else self.with_speed(self.speed, vehicle, plane)
+        if wind.gust_speed is None:
+            return wind
+        return wind.with_gust_speed(wind.gust_speed, vehicle, plane)
+
     def scaled(self, factor: float) -> ShapedWind:
         """Return the wind with its peak and its gust, as angles and as speeds, times a factor.
 
