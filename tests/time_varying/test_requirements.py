@@ -17,6 +17,7 @@ from tvclin.requirement.flight.flight_requirement import (
     requirements_along,
 )
 from tvclin.time_varying import steps
+from tvclin.time_varying.curves import at_substeps
 from tvclin.time_varying.equations import Equations, at_pressure
 from tvclin.time_varying.requirements import SteppedWinds, varying_requirement
 from tvclin.winds.wind_angles import NominalWind, along_from_angle, pressure_ratio, wind_triangle
@@ -167,6 +168,25 @@ def test_limits_with_which_the_law_diverges_are_those_of_an_integration(configur
     times, angles, ratio = steps.encountered_at_steps(equations, NominalWind(wind), 4)
     diverged = SteppedWinds(equations, times, angles, ratio).diverge(limits)
     assert diverged.tolist() == [[flown(limit) for limit in limits[0].tolist()]] == [[True, False]]
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_the_range_of_trim_is_that_of_its_parabolas(configuration_i, compiled) -> None:
+    """Of a gust that changes its sign between the samples; sampled anew, 64 times in each step."""
+    gust = tv.winds.OneMinusCosineGust(peak=0.05, duration=3.0)
+    wind = gust - gust.shift(3.1) * 0.7
+    equations = Equations.frozen(configuration_i.rigid, "drift-exact", "pitch")
+    times, angles, ratio = steps.encountered_at_steps(equations, NominalWind(wind), 0.25)
+    with choice.pinned(compiled):
+        curves = SteppedWinds(equations, times, angles, ratio).curves()
+    fine = at_substeps(curves.trim, 64)
+    assert curves.trim_range[0] == pytest.approx([fine.min(), fine.max()], rel=1e-5)
+    assert curves.trim_range[0, 0] < curves.trim.min() < 0.0 < curves.trim.max()
+    assert curves.trim_range[0, 1] > curves.trim.max()
+    angles = np.where(np.arange(angles.shape[1])[:, np.newaxis] == 2, np.nan, angles)
+    with choice.pinned(compiled):
+        unknown = SteppedWinds(equations, times, angles, ratio).curves()
+    assert np.isnan(unknown.trim_range).all()
 
 
 FLOWN = 3e-3

@@ -62,6 +62,7 @@ def trim_and_demand(
     end: FloatArray,
     onset: FloatArray,
     trim: FloatArray,
+    trim_range: FloatArray,
     demand: FloatArray,
     demand_slope: FloatArray,
     path: FloatArray,
@@ -85,6 +86,8 @@ def trim_and_demand(
         pressure ratio and wind then hold from there on. Before it nothing is written.
     trim, demand : ndarray
         Written: both at begin, middle and end of each step [rad], ``(n, S, 3)``.
+    trim_range : ndarray
+        Widened: smallest and largest trim [rad], ``(n, 2)``, to the parabolas of trim in the steps.
     demand_slope : ndarray
         Written: slopes of the demand at begin and end of each step [rad/s], ``(n, S, 2)``.
     path : ndarray
@@ -118,6 +121,7 @@ def trim_and_demand(
                 total = path[case, s, i] + path[case, s + 1, i]
                 state[0, i] = 0.5 * total + h / 8.0 * (rates[0, i + 2] - rates[3, i + 2])
             trim[case, s, 1] = _trim(matrix, 1, state[0], wind[s, 1])
+            _widen(trim_range[case], trim[case, s])
             for j in range(2):  # begin and end of the step, numbers 0 and 2 of three
                 # g = p.x + F, p.b, and the control reach R
                 g, effect, R = costate[s + j, m + 1], 0.0, costate[s + j, m]
@@ -278,6 +282,23 @@ def _trim(matrix: FloatArray, q: int, path: FloatArray, wind: float) -> float:
     for j in range(2, m):
         moment += matrix[q, 1, j] * path[j - 2]
     return -moment / matrix[q, 1, m]
+
+
+@inlined
+def _widen(trim_range: FloatArray, trim: FloatArray) -> None:
+    """Widen the smallest and the largest trim [rad], ``(2,)``, to those of the parabola of a step.
+
+    `trim`: at begin, middle and end of the step [rad], ``(3,)``. Both stay NaN from a NaN on.
+    """
+    slope, bend = 4.0 * trim[1] - 3.0 * trim[0] - trim[2], trim[0] - 2.0 * trim[1] + trim[2]
+    for k in range(4):
+        value = trim[min(k, 2)]
+        if k == 3 and 0.0 < -slope * bend < 4.0 * bend * bend:  # the vertex, within the step
+            value = trim[0] - slope * slope / (8.0 * bend)
+        if value < trim_range[0] or math.isnan(value):
+            trim_range[0] = value
+        if value > trim_range[1] or math.isnan(value):
+            trim_range[1] = value
 
 
 LIMITED_PLAIN, LIMITED_COMPILED = 2.5e-5, 2e-8

@@ -46,6 +46,8 @@ class Curves:
         Begin, middle and end of each step [s], and wind angles of attack [rad], ``(n, S, 3)``.
     trim, demand : ndarray
         Deflection of ideal trim, and the limit sufficient when held from then on [rad], there.
+    trim_range : ndarray
+        Smallest trim, at most zero, and largest, at least zero [rad], of each wind, ``(n, 2)``.
     demand_slope : ndarray
         Slopes of the demand at begin and end of each step [rad/s], ``(n, S, 2)``.
     path : ndarray
@@ -56,6 +58,7 @@ class Curves:
     wind: FloatArray
     trim: FloatArray
     demand: FloatArray
+    trim_range: FloatArray
     demand_slope: FloatArray
     path: FloatArray
 
@@ -88,9 +91,7 @@ class Curves:
     @cached_property
     def sign(self) -> FloatArray:
         """Sign of the trim deflection of largest size, of each wind, ``(n,)``."""
-        flat = self.trim.reshape(len(self.trim), -1)  # (n, 3 S): begin, middle, end of each step
-        largest = np.argmax(np.abs(flat), axis=-1)[:, np.newaxis]
-        return np.asarray(np.sign(np.take_along_axis(flat, largest, axis=-1))[:, 0])
+        return np.asarray(np.sign(self.trim_range.sum(axis=-1)))
 
     @cached_property
     def has_two_signs(self) -> BoolArray:
@@ -101,8 +102,7 @@ class Curves:
     @property
     def largest_trim(self) -> FloatArray:
         """Trim along the path: largest size of ideal trim [rad] in each of n winds, ``(n,)``."""
-        high, low = self._trim_extremes
-        return np.asarray(np.maximum(high, -low))
+        return np.abs(self.trim_range).max(axis=-1)
 
     @property
     def onset_demand(self) -> FloatArray:
@@ -118,27 +118,6 @@ class Curves:
         """
         final_demand = np.abs(self.demand[:, -1, 2])  # last step, its end
         return np.asarray(_UNLIMITED_OVER_TRIM * np.maximum(self.largest_trim, final_demand))
-
-    @cached_property
-    def _trim_extremes(self) -> tuple[FloatArray, FloatArray]:
-        """Largest and smallest deflection of ideal trim [rad] in each of n winds, ``(n,)`` each."""
-        return self._largest(1.0), -self._largest(-1.0)
-
-    def _largest(self, sign: float) -> FloatArray:
-        """Return the largest trim of a sign [rad] in each of n winds, ``(n,)``.
-
-        Of samples, and of vertices of the parabolas through the three samples of each step.
-        """
-        trim = self.trim
-        begin, middle, end = np.moveaxis(sign * trim, -1, 0)
-        largest = (sign * trim).max(axis=(1, 2))  # over steps, and begin, middle and end
-        # the parabola is within an eighth of its second difference of its chords
-        second_difference = np.abs(begin - 2.0 * middle + end)
-        bound = np.maximum(np.maximum(begin, end), middle) + 0.125 * second_difference
-        case, step = np.nonzero(bound > largest[:, np.newaxis])  # where a vertex may be larger
-        summit = sign * parabola(trim[case, step], _vertex(trim[case, step]))
-        np.maximum.at(largest, case, summit)
-        return np.asarray(largest)
 
     def of(self, cases: IndexArray) -> Curves:
         """Return the curves of `cases`, their indices, which rise and do not repeat."""
@@ -304,7 +283,7 @@ class Curves:
 
     def reaches_both_signs(self, limit: FloatArray) -> BoolArray:
         """Return whether trim of both signs reaches 95 % of limits [rad] above zero, ``(n,)``."""
-        high, low = self._trim_extremes
+        low, high = self.trim_range.T
         return np.asarray(np.minimum(high, -low) > _BOTH_SIGNS_FRACTION * limit) & (limit > 0.0)
 
 

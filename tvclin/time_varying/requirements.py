@@ -367,18 +367,27 @@ class SteppedWinds:
         cases, steps, _ = shape = self.wind.shape
         order = self.equations.nominal.shape[-2]  # states, two of which are attitude and rate
         trim, demand = np.zeros(shape), np.zeros(shape)  # written by the kernel, as slope and path
+        trim_range = np.zeros((cases, 2))
         slope, path = np.zeros((cases, steps, 2)), np.zeros((cases, steps + 1, order - 2))
         with np.errstate(invalid="ignore", divide="ignore"):
             run(
                 marches.trim_and_demand,
-                (*self._for_kernels(), trim, demand, slope, path),
+                (*self._for_kernels(), trim, trim_range, demand, slope, path),
                 cases=cases,
                 # estimated run time, which decides between compiled and plain code
                 seconds=marches.PLAIN * cases * steps,
                 compiled_seconds=marches.COMPILED * cases * steps,
             )
         times = np.broadcast_to(self.times, shape)
-        return Curves(times, self.wind, trim=trim, demand=demand, demand_slope=slope, path=path)
+        return Curves(
+            times,
+            self.wind,
+            trim=trim,
+            demand=demand,
+            trim_range=trim_range,
+            demand_slope=slope,
+            path=path,
+        )
 
     def peaks_over_modes(
         self, path: FloatArray, trim_ratios: FloatArray | None = None
