@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad_vec
 
 import tvclin
 from tvclin import Coefficients, Plant, optimum_deflection
@@ -122,8 +123,12 @@ def demands_of_peak_one(poles, weights):
     return (decays[:, :-1] - decays[:, 1:]) @ control / poles
 
 
-def three_poles_with_peak_one(count):
-    """Return poles [1/s] and demands [rad s] of minimum peak 1 rad; every second has a pair."""
+def three_poles_with_peak_one(count, early=False):
+    """Return poles [1/s] and demands [rad s] of minimum peak 1 rad; every second has a pair.
+
+    `early`: the control switches within a time constant of a pole at least five times as fast as
+    the two others, which decide the peak.
+    """
     rng = np.random.default_rng(11)
     poles, demands = np.empty((count, 3), dtype=complex), np.empty((count, 3), dtype=complex)
     for k in range(count):
@@ -132,6 +137,10 @@ def three_poles_with_peak_one(count):
         if k % 2:
             others = others[0] + 1j * fast * rng.uniform(0.01, 2.0) * np.array([1.0, -1.0])
             weights[1:] = weights[1] + weights[2] * np.array([1j, -1j])
+        if early:
+            others *= 0.2
+            switch = rng.uniform(0.2, 1.0) / fast
+            weights[0] = -np.real(weights[1:] @ np.exp(-others * switch)) * np.exp(fast * switch)
         poles[k] = fast, *others
         demands[k] = demands_of_peak_one(poles[k], weights)
     return poles, demands
@@ -155,6 +164,30 @@ def test_a_peak_is_proved_sufficient_at_or_above_the_minimum_alone_and_soon_abov
     assert np.mean(_is_sufficient(poles, demands, np.full(80, 10.0))) > 0.85
     given = peaks_for_demands(poles[proved], demands[proved], np.full(proved.sum(), 1.5))
     np.testing.assert_array_equal(given, 1.5)
+
+
+@pytest.mark.thorough
+def test_where_two_slow_poles_decide_a_peak_is_proved_a_fifth_above_the_minimum_and_never_below():
+    poles, demands = three_poles_with_peak_one(60, early=True)
+    for peak in (0.5, 0.8, 0.95, 0.999):
+        assert not np.any(_is_sufficient(poles, demands, np.full(60, peak)))
+    proved = _is_sufficient(poles, demands, np.full(60, 1.2))
+    assert np.mean(proved) > 0.8
+    for time, angle in ((1024.0, 1.0), (1.0, 1024.0)):  # powers of two round nothing
+        scaled = _is_sufficient(poles / time, demands * time * angle, np.full(60, 1.2 * angle))
+        np.testing.assert_array_equal(scaled, proved)
+
+
+@pytest.mark.parametrize("pole", [0.1 + 0.5j, 0.3 + 0.02j, 2.0 + 1.0j])
+def test_the_quick_bound_of_a_pair_has_the_smallest_integral_of_a_square(pole):
+    def squares(u):
+        """Return e^(-sigma u) cos(omega u + phi)^2 as a form in (cos phi, -sin phi)."""
+        pair = np.array([np.cos(pole.imag * u), np.sin(pole.imag * u)])
+        return np.exp(-pole.real * u) * np.outer(pair, pair)
+
+    smallest = np.linalg.eigvalsh(quad_vec(squares, 0.0, 60.0 / pole.real, epsrel=1e-10)[0])[0]
+    bound = _pair_peak_bounds(np.array([pole]), np.array([3.0 - 4.0j]))
+    assert bound == pytest.approx(5.0 / smallest, rel=1e-7)
 
 
 def test_the_quick_bound_of_a_pair_is_above_its_peak_and_often_near():
