@@ -1,5 +1,6 @@
 """Requirements at the dynamic pressure encountered, beside integration and nonlinear flights."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -319,6 +320,16 @@ def test_what_lasts_too_long_to_be_followed_is_told(configuration_i) -> None:
         )
         assert study.encountered == {}
         assert any("can be followed for at most" in note for note in study.notes)
+
+
+def test_a_gust_too_short_beside_its_wind_is_told_with_its_own_time(configuration_i) -> None:
+    gust = tv.OneMinusCosineGust(peak=np.radians(1), duration=0.25)
+    study = tv.Study.from_vehicle(
+        configuration_i, duration=60.0, peak=np.radians(3), gust=gust, gust_at=30.0
+    )
+    (shortest,) = re.findall(r"at most 2000 times ([\d.]+) s", study.unknown)
+    assert 2000 * float(shortest) < 60.0  # else the wind would not last too long
+    assert "gust" in study.unknown
 
 
 def test_a_gust_too_long_to_be_followed_is_not_searched_for_its_worst_time(configuration_i) -> None:

@@ -76,14 +76,19 @@ def step_counts(wind: History, motion: Motion) -> tuple[FloatArray, FloatArray]:
     """
     knots = _breakpoints(wind, motion)
     widths = np.diff(knots, axis=-1)
-    # complex rates s [1/s] of the terms e^(s t) between the breakpoints of the wind
-    rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
-    fastest = np.maximum(motion.fastest, np.ravel(rates))[:, np.newaxis]
+    fastest = _fastest(wind, motion)[:, np.newaxis]
     with np.errstate(invalid="ignore"):  # a calm has no breakpoints
         counts = np.maximum(np.ceil(widths * fastest / STEP), _MIN_STEPS)
         quarter = 2.0 ** np.floor(np.log2(counts)) / 4.0  # a quarter of the power of two below
         counts = np.where(widths > 0.0, np.ceil(counts / quarter) * quarter, 0.0 * widths)
     return knots, counts
+
+
+def _fastest(wind: History, motion: Motion) -> FloatArray:
+    """Return the fastest rate [1/s] of n winds and the motion that sets their steps, ``(n,)``."""
+    # complex rates s [1/s] of the terms e^(s t) between the breakpoints of the wind
+    rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
+    return np.maximum(motion.fastest, np.ravel(rates))
 
 
 def _breakpoints(wind: History, motion: Motion) -> FloatArray:
@@ -119,11 +124,11 @@ def _interval_times(wind: History, motion: Motion, parts: float) -> list[FloatAr
     knots, counts = step_counts(wind, motion)
     counts = counts.max(axis=0)
     if not counts.sum() <= MAX_STEPS:
-        slowest, lasts = 1.0 / motion.fastest.max(), np.max(wind.end - wind.onset)
+        shortest, lasts = 1.0 / _fastest(wind, motion).max(), np.max(wind.end - wind.onset)
         raise InputError(
             f"varying parameters can be followed for at most {MAX_STEPS * STEP:.4g} times"
-            f" {slowest:.4g} s, the time of the fastest motion; this wind lasts {lasts:.4g} s:"
-            " check the moment of inertia and the forces, or shorten the wind"
+            f" {shortest:.4g} s, the time of the fastest motion or gust; this wind lasts"
+            f" {lasts:.4g} s: check the moment of inertia and the forces, or shorten the wind"
         )
     widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
     intervals = []  # times of the n steps in each interval between two breakpoints
