@@ -61,6 +61,8 @@ _SYMBOLS = {
 }
 
 
+_ON_FRAME = 1.0
+"""Height of a title over its panel, which matplotlib otherwise finds from all tick labels."""
 _MAX_PANELS = 16
 """Largest number of panels in one row of a figure."""
 
@@ -118,7 +120,7 @@ def draw(curves: Curves, look: Look) -> "ControlPlot":
     if len(panels) > 1:
         axes[0].figure.suptitle(pretty(literal(broken(look.title))))
     else:
-        axes[0].set_title(pretty(literal(broken(look.title, _NARROW))))
+        axes[0].set_title(pretty(literal(broken(look.title, _NARROW))), y=_ON_FRAME)
     # one entry of the legend for each label, in the order of their first lines
     first = {line.get_label(): line for line in reversed(lines)}
     handles = [first[label] for label in dict.fromkeys(line.get_label() for line in lines)]
@@ -139,7 +141,7 @@ def _label_panel(axes: "Axes", curves: Curves, look: Look, heading: str) -> None
         xlim=(float(finite.min()), float(finite.max())),
     )
     if heading:
-        axes.set_title(pretty(heading), fontsize="medium")
+        axes.set_title(pretty(heading), fontsize="medium", y=_ON_FRAME)
     if heading in look.limits:
         axes.set_ylim(*look.limits[heading])
     fine_grid(axes)
@@ -350,8 +352,21 @@ def figure_bytes(figure: Any, **options: Any) -> bytes:
     `savefig` of a figure with a layout engine draws all of it twice. In memory, since on a full
     disk the writer of PDF fails in its own way. `options`: options of `savefig`.
     """
+    from matplotlib.ticker import NullFormatter, NullLocator
+
     if (engine := figure.get_layout_engine()) is not None:
+        # minor ticks without labels take no room, but most of the time
+        axis_of_panels = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+        unlabelled = [
+            (axis, axis.get_minor_locator())
+            for axis in axis_of_panels
+            if isinstance(axis.get_minor_formatter(), NullFormatter)
+        ]
+        for axis, _ in unlabelled:
+            axis.set_minor_locator(NullLocator())
         engine.execute(figure)
+        for axis, locator in unlabelled:
+            axis.set_minor_locator(locator)
         figure.set_layout_engine(None)
     drawn = BytesIO()
     figure.savefig(drawn, **options)
