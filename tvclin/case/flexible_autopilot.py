@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,11 +25,13 @@ from tvclin.control.laws.registry import AUTOPILOT, design_law
 from tvclin.control.margins.bands import BandMargins
 from tvclin.control.margins.criteria import Criteria
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
-from tvclin.flights.theory_comparison import SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, Shift, plant_of
 from tvclin.linear.plant import DEFAULT_MODEL
 from tvclin.vehicle.linear_vehicle import AnyVehicle
 from tvclin.winds.histories import History
+
+if TYPE_CHECKING:
+    from tvclin.flights.theory_comparison import SampledFlight
 
 _FLIGHT_DURATIONS, _FLIGHT_POINTS = 2.0, 401
 """Duration of a flight in durations of its wind, and number of its times."""
@@ -70,6 +72,8 @@ def flexible_answer(
     of the flight [rad], None for no flight. `hardware`: actuator, rate limit, delay and sample rate
     of flights, by name. `InputError` where margins or boundaries cannot be computed.
     """
+    from tvclin.flights.theory_comparison import fly_sampled  # late, with its engines
+
     bands = autopilot.band_margins(plant)
     law = SaturatedLaw.of(autopilot)
     # boundary of the nozzle's stop (its deflection limit), sought at least up to `limit`

@@ -24,8 +24,7 @@ from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.case.case import Case
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import fly_nozzle
-from tvclin.flights.closed_loop.fly_many import SURVIVED
-from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
+from tvclin.flights.closed_loop.fly_many import NOT_KNOWN, OUTCOME_WORDS, SURVIVED
 from tvclin.winds.wind_angles import beyond_linear
 
 

@@ -46,8 +46,9 @@ from tvclin.control.comparison import (
 )
 from tvclin.control.laws.law import Law
 from tvclin.design.gain_designs import specified_autopilot
+from tvclin.flights.closed_loop.fly_many import NOT_KNOWN, OUTCOME_WORDS
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary, closed_loop_boundary
-from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS, SampledFlight, fly_sampled
+from tvclin.flights.theory_comparison import SampledFlight, fly_sampled
 from tvclin.linear.flexible import AnyPlant
 from tvclin.requirement.autopilot_requirement import AutopilotRequirement, autopilot_requirement
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement

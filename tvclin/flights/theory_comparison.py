@@ -17,7 +17,13 @@ from tvclin.base.lines import Line, Table, degrees, minimum_limit
 from tvclin.boundary.limit import boundary_limit
 from tvclin.control.laws.law import Law
 from tvclin.flights.closed_loop.fly import flight_responses
-from tvclin.flights.closed_loop.fly_many import SURVIVED, FlownCases, fly_many
+from tvclin.flights.closed_loop.fly_many import (
+    NOT_KNOWN,
+    OUTCOME_WORDS,
+    SURVIVED,
+    FlownCases,
+    fly_many,
+)
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.flights.engine_interface import MAX_ATTITUDE, OUTPUTS, ReportControl
 from tvclin.flights.flown_boundary import ENGINES
@@ -353,19 +359,6 @@ def _linear(
     nozzle: dict[str, Any] = {"deflection_limit": limit, "sample_rate": SAMPLE_RATE}
     flown = flight_responses(plant, control, wind, times, **nozzle)
     return np.stack([flown[name] for name in OUTPUTS])
-
-
-NOT_KNOWN = "not known"
-"""Status of a flight in a wind beyond linear aerodynamics, or of which parts are not known."""
-OUTCOME_WORDS = {
-    "survived": "survives",
-    "lost": "is lost",
-    "rings": "is brought back, and its nozzle keeps oscillating",
-    "undecided": "is neither lost nor settled",
-    "no flight": "cannot be flown",
-    NOT_KNOWN: "is not known to survive",
-}
-"""Outcomes of a flight in words, by the status of `FlownCases`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,8 +35,7 @@ from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes, linear_gains
 from tvclin.control.turbulence.driven_loop import ACCELERATION, DEFLECTION, DEFLECTION_RATE
 from tvclin.flights.closed_loop.fly import fly_nozzle
-from tvclin.flights.closed_loop.fly_many import SURVIVED
-from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
+from tvclin.flights.closed_loop.fly_many import NOT_KNOWN, OUTCOME_WORDS, SURVIVED
 from tvclin.kernels.choice import repeated
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant

@@ -9,8 +9,6 @@ import numpy as np
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.boundary.limit import boundary_limit
-from tvclin.flights.flown_boundary import ENGINES
-from tvclin.flights.theory_comparison import FlightComparison
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import Responses, attitude_responses
@@ -37,6 +35,8 @@ from tvclin.winds.pulses import TriangularWind
 
 if TYPE_CHECKING:
     from control import ControlPlot, TimeResponseData
+
+    from tvclin.flights.theory_comparison import FlightComparison
 
 
 _ORDINATES = {
@@ -177,7 +177,7 @@ def study_response_chart(response: StudyResponse) -> "ControlPlot":
 
 
 def flight_curves(
-    flight: FlightComparison, limit: float, name: str, parameters: str, reference: str = "linear"
+    flight: "FlightComparison", limit: float, name: str, parameters: str, reference: str = "linear"
 ) -> Curves:
     """Return attitude, angle of attack and deflection, flown and linear, and the wind, in degrees.
 
@@ -192,6 +192,8 @@ def flight_curves(
     reference : {"linear", "rigid"}
         Name of the flight compared with.
     """
+    from tvclin.flights.theory_comparison import FlightComparison  # late, with the engines
+
     errors.instance("flight", flight, FlightComparison, "see compare_flight")
     limit = errors.limit_angle(limit, "limit")
     reference = errors.one_of("reference", reference, ("linear", "rigid"))
@@ -439,6 +441,8 @@ def _with_drift(
     engine = chosen_engine(engine)
     plant = Plant.from_vehicle(loaded, "drift")
     exact = "exact" if np.any(loaded.pitch_damping) else "eq (B9)"
+    from tvclin.flights.flown_boundary import ENGINES  # late, with the engines
+
     words = ENGINES[engine].words
     title = (
         f"Figure {number}. Attitude error with drift, K = {dead_band:g}: {exact}, and flown with"

@@ -34,7 +34,6 @@ from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble, 
 from tvclin.ensembles.dispersions import mode_names
 from tvclin.flights.closed_loop.flown_flights import FlownFlight, checked_flight, fly_together
 from tvclin.flights.closed_loop.fly_many import FlownCases, fly_many
-from tvclin.flights.flown_boundary import flown_boundary
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.requirement.encountered_requirement import encountered_batch, uses_encountered_pressure
@@ -578,6 +577,8 @@ def _flown_limits(campaign: Campaign, batch: Batch) -> dict[str, float]:
 
     They are for the first case of a batch, at all dead bands of the campaign.
     """
+    from tvclin.flights.flown_boundary import flown_boundary  # late, with the engines
+
     vehicle, wind = batch.first.vehicle, batch.first.wind
 
     def flown(K: float) -> float:

@@ -105,6 +105,17 @@ def _continuation(f: Flights, indices: IndexArray, laws: LawBatch) -> Flights:
 
 STATUS = ("undecided", "survived", "lost", "rings", "no flight")
 UNDECIDED, SURVIVED, LOST, RINGS, NO_FLIGHT = STATUS
+NOT_KNOWN = "not known"
+"""Status of a flight in a wind beyond linear aerodynamics, or of which parts are not known."""
+OUTCOME_WORDS = {
+    "survived": "survives",
+    "lost": "is lost",
+    "rings": "is brought back, and its nozzle keeps oscillating",
+    "undecided": "is neither lost nor settled",
+    "no flight": "cannot be flown",
+    NOT_KNOWN: "is not known to survive",
+}
+"""Outcomes of a flight in words, by the status of `FlownCases`."""
 MAX_DEFLECTION_LIMIT = float(np.nextafter(np.pi / 2, 0.0))
 """Largest deflection limit [rad] of a flight: no nozzle turns by 90 degrees."""
 _MIN_GROWTH = 1e-5

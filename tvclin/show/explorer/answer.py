@@ -20,8 +20,7 @@ from tvclin.case.flexible_autopilot import specified_law
 from tvclin.control.laws.registry import DEAD_BAND
 from tvclin.control.margins.margins import Margins
 from tvclin.flights.closed_loop.fly import fly
-from tvclin.flights.closed_loop.fly_many import fly_many
-from tvclin.flights.theory_comparison import NOT_KNOWN, OUTCOME_WORDS
+from tvclin.flights.closed_loop.fly_many import NOT_KNOWN, OUTCOME_WORDS, fly_many
 from tvclin.kernels.choice import compiling_nothing
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.plant import Plant
