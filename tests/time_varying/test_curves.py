@@ -41,13 +41,12 @@ def crossing(demand, first=0.0, last=4.0):
 @pytest.mark.parametrize(
     ("demand", "first", "last"),
     [
-        (FALLING, 0.0, 4.0),  # in the first half of a step
-        (1.5 * FALLING, 0.0, 4.0),  # in the second
-        (
-            Polynomial([0.001, 0.0012]),
-            4.0,
-            8.0,
-        ),  # as trim falls, after a lower crossing as it rises
+        # in the first half of a step, in the second, and in each half of one step, the later higher
+        (FALLING, 0.0, 4.0),
+        (1.5 * FALLING, 0.0, 4.0),
+        (Polynomial([0.0097, 5e-5]), 4.0, 4.6),
+        # as trim falls, after a lower crossing as it rises
+        (Polynomial([0.001, 0.0012]), 4.0, 8.0),
     ],
 )
 def test_the_trim_law_requires_trim_where_it_crosses_the_demand_of_its_sign(demand, first, last):
