@@ -41,10 +41,11 @@ def crossing(demand, first=0.0, last=4.0):
 @pytest.mark.parametrize(
     ("demand", "first", "last"),
     [
-        # in the first half of a step, in the second, and in each half of one step, the later higher
+        # in the first half of a step, in the second, and in each half of a step with either higher
         (FALLING, 0.0, 4.0),
         (1.5 * FALLING, 0.0, 4.0),
         (Polynomial([0.0097, 5e-5]), 4.0, 4.6),
+        (Polynomial([0.0101, -5e-5]), 3.1, 4.0),
         # as trim falls, after a lower crossing as it rises
         (Polynomial([0.001, 0.0012]), 4.0, 8.0),
     ],
@@ -163,11 +164,11 @@ def test_trim_exceeds_a_limit_in_as_many_intervals_as_its_size_does():
 
 def test_both_signs_count_from_95_percent_of_a_limit_above_zero():
     curves = of_both_signs(TRIM, HIGH)
-    ranges = np.array([[-0.0096, 0.02], [-0.02, 0.0094]])
+    ranges = np.array([[-0.0096, 0.02], [-0.03, 0.0094]])
     curves = replace(curves, trim_range=ranges)
     assert curves.reaches_both_signs(np.full(2, 0.01)).tolist() == [True, False]
     assert curves.reaches_both_signs(np.zeros(2)).tolist() == [False, False]
-    np.testing.assert_array_equal(curves.largest_trim, 0.02)
+    np.testing.assert_array_equal(curves.largest_trim, [0.02, 0.03])
     np.testing.assert_array_equal(curves.sign, [1.0, -1.0])
 
 
