@@ -34,7 +34,7 @@ FLIGHT_SAMPLE_RATE_HZ = 100.0
 
 def _single_plane(name: str, value: object) -> str:
     """Return `value` if it is a plane; for both planes the `InputError` says how to judge them."""
-    if value == BOTH:
+    if isinstance(value, str) and value == BOTH:
         raise InputError(
             f"{name} must be one of {', '.join(PLANES)}; tvclin study judges both planes of a wind"
             " with a direction: --set wind.direction_deg DEG --azimuth-deg DEG --set"
