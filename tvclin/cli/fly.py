@@ -105,15 +105,15 @@ class EngineOptions:
 
     def resolved(
         self, source: str, case: StudyPlan, law_options: FlownLaw, model: Options
-    ) -> tuple[str, bool, str, Any]:
-        """Return engine, whether parameters vary, law and dead band for a case.
+    ) -> tuple[StudyPlan, str, bool, str, Any]:
+        """Return the case with its gust, engine, whether parameters vary, law and dead band.
 
         The law of gains, of options or of the file, is the autopilot. Options of another engine or
         law are refused first; notes name what is omitted of the file.
 
         `source`: name or path of the case. `law_options`: samples, delay and gains. `model`: its
         option. Gains of a file count only without --engine and --dead-band. The dead band is None
-        where the law takes its own.
+        where the law takes its own; the gust is where a control with it requires most.
         """
         # whether gains of the file make the autopilot the law
         in_file = self.engine is None and self.dead_band is None
@@ -141,7 +141,7 @@ class EngineOptions:
             questions.append("fly --engine planar")
         note_omissions(case, *questions)
         band = chosen(self.dead_band, case.dead_band if law == REPORT else None)
-        return engine, bool(suffix), law, band
+        return with_gust_for(case, band), engine, bool(suffix), law, band
 
 
 def fly(
@@ -199,8 +199,7 @@ def fly(
     note_single_time(vehicle, time)
     with faults.collect():
         case = single.applied_to(case, vehicle)
-    engine, varying, law, band = choice.resolved(vehicle, case, law_options, model)
-    case = with_gust_for(case, band)
+    case, engine, varying, law, band = choice.resolved(vehicle, case, law_options, model)
     name, cases = single.name(case), {"": case}
     with faults.collect():
         cases = winds_in_flight(case) if varying else cases
