@@ -20,7 +20,7 @@ from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
 from tvclin.cli.inputs import keys_set, only_with
-from tvclin.cli.output import draw, load_pyplot
+from tvclin.cli.output import draw
 from tvclin.control.autopilot.design_rules import (
     GIVEN_GAINS,
     POLE_PLACEMENT_RULES,
@@ -50,7 +50,6 @@ def to_write(option: typer.CallbackParam, file: Path | None) -> Path | None:
 def _to_draw(option: typer.CallbackParam, file: Path | None) -> Path | None:
     """Return the file of a figure; `InputError` if it cannot be written or has no known format."""
     if to_write(option, file) is not None:
-        load_pyplot()
         from tvclin.plots.style import figure_format
 
         figure_format(cast(Path, file))

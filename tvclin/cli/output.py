@@ -264,19 +264,6 @@ def answer(
         raise typer.Exit(1)
 
 
-def load_pyplot() -> None:
-    """Import pyplot without the help on its artists, which nobody reads in a command.
-
-    Its texts, made by `matplotlib.artist.kwdoc` for each class, are a quarter of the import.
-    """
-    from matplotlib import artist
-
-    kwdoc, artist.kwdoc = artist.kwdoc, lambda artist: ""
-    import matplotlib.pyplot  # noqa: F401
-
-    artist.kwdoc = kwdoc
-
-
 def draw(plot: Path | None, chart: Callable[[], ControlPlot]) -> None:
     """Write the figure into the file `plot`, if it is not None; `chart`: function that draws it."""
     if plot is not None:

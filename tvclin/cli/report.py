@@ -9,7 +9,7 @@ from tvclin.base.files import called, write_whole
 from tvclin.base.lines import text
 from tvclin.cli.inputs import note_omissions, only_with
 from tvclin.cli.options import At, option, to_write
-from tvclin.cli.output import bar, load_pyplot, say
+from tvclin.cli.output import bar, say
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import all_yes
 from tvclin.studyfile.read import example_plan, load_study
@@ -39,8 +39,6 @@ def report(
     answer to one is not yes; 2: bad input.
     """
     from tvclin.kernels.choice import announce
-
-    load_pyplot()
     from tvclin.plots.boundaries import CURVES_SECONDS
     from tvclin.show.report.page import page_of
 
