@@ -652,7 +652,7 @@ def test_a_gust_is_in_the_response_and_the_wind_of_the_autopilot(
     assert any("with a gust of 1 deg and 2 s" in str(one) for one in verdict.basis(result))
 
 
-def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
+def test_shortfall_and_remaining_over_the_flight_are_one_number_each(
     plan: tv.studyfile.StudyPlan,
 ) -> None:
     once = replace(plan.sizing, start=60.0, stop=60.0)
@@ -673,10 +673,13 @@ def test_the_shortfall_over_the_flight_is_one_number_and_what_is_left_another(
     assert verdict.sentence(short)[0] == "NOT SUFFICIENT: the limit of "
     assert "the whole flight of configuration-i requires" in text(verdict.sentence(short))
     total = sufficient.flight[1]
-    left = np.degrees(0.9 * total.limit - total.total)
+    left = np.degrees(total.limit - total.total / 0.9)
     page = section(sufficient, "flight")
+    tiles = {name: said for name, (_, said) in section(sufficient, "questions").numbers.items()}
     assert page.values["total.remaining_deg"] == pytest.approx(left, rel=1e-12)
     assert "remaining after the reserve" in page.text
+    remaining = page.numbers["total.remaining_deg"][1]
+    assert tiles["answer.whole_flight.remaining_deg"] == remaining
 
 
 @pytest.mark.thorough

@@ -240,8 +240,8 @@ class DeflectionTotal(Shown):
     @property
     @derived("angle", card=False, document=False)
     def remaining(self) -> float | None:
-        """Remaining deflection [rad]: limit minus reserve and total; negative if insufficient."""
-        return None if self.limit is None else (1.0 - self.reserve) * self.limit - self.total
+        """Remaining deflection [rad]: the limit minus `required`; negative if insufficient."""
+        return None if self.limit is None else self.limit - self.required
 
 
 def total_table(total: DeflectionTotal) -> Table:
