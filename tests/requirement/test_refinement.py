@@ -10,7 +10,7 @@ import tvclin as tv
 from tvclin import InputError
 from tvclin.base.arrays import FloatArray
 from tvclin.requirement.flight.refinement import refined_sizing
-from tvclin.requirement.flight.sizing import Sizing
+from tvclin.requirement.flight.sizing import Sizing, joined_sizing
 
 SCHEDULE = tv.load_schedule("configuration-i")
 WIND = tv.TriangularWind(peak=0.05, duration=7.5)
@@ -31,6 +31,15 @@ def refined(listed: list[float], total: Callable[[float], float]) -> tuple[Float
     # rows of the joined sizing are those of its times
     assert sizing.required["K = 1"] == pytest.approx(sized(sizing.times).required["K = 1"])
     return sizing.times, float(np.nanmax([total(t) for t in sizing.times.tolist()]))
+
+
+def test_gaps_of_soundings_are_those_of_the_listed_times() -> None:
+    """The times between see a part of the gaps, in other words."""
+    all_gaps, part = ("from 20 to 25 km and in 1 other gap",), ("from 20 to 25 km",)
+    listed = replace(sized(np.array([55.0, 60.0])), gaps=all_gaps)
+    joined = joined_sizing(listed, replace(sized(np.array([57.5])), gaps=part))
+    assert joined.times.tolist() == [55.0, 57.5, 60.0]
+    assert joined.gaps == all_gaps
 
 
 @pytest.mark.thorough

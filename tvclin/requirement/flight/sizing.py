@@ -340,8 +340,9 @@ class Sizing(Tabled):
 def joined_sizing(sizing: Sizing, further: Sizing) -> Sizing:
     """Return a sizing with the flight times of another one in the same winds, in order of time.
 
-    Requirements [rad] that `further` does not have are NaN at its flight times. Reasons, notes and
-    fields of winds fixed in flight time are taken from `sizing`.
+    The times of `further` lie between those of `sizing`. Requirements [rad] that `further` does not
+    have are NaN at its flight times. Reasons, notes, gaps of soundings and fields of winds fixed in
+    flight time are taken from `sizing`.
     """
     order = np.argsort(np.concatenate([sizing.times, further.times]), kind="stable")
 
@@ -366,7 +367,6 @@ def joined_sizing(sizing: Sizing, further: Sizing) -> Sizing:
             plane: joined_sizing(of_plane, further.separate[plane])
             for plane, of_plane in sizing.separate.items()
         },
-        gaps=tuple(dict.fromkeys((*sizing.gaps, *further.gaps))),
         unsigned=rows(*unsigned),
     )
 
