@@ -47,6 +47,7 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     said = " ".join(run(station, *EAST, "--limit-deg", "0.35", "--more").output.split())
     assert document["judged_s"] == [41.0, 116.0]
     assert "Judged from 41 to 116 s of the flight" in said
+    assert "pitch: 20 soundings of ZZM00088801 from 2023-02-24 to 2023-03-05 Judged" in said
     assert "With 95 % confidence the fraction of all such days lies in the interval" in said
     assert "is judged for this limit alone: lower_deg and upper_deg" in said
 

@@ -219,7 +219,7 @@ def _print_details(result: Availability, source: str) -> None:
     begin, end = result.judged_in_all
     print_tables(answer_tables.placard(result))
     gust = result.judge.additions.gust_text
-    say(f"{name}, {result.model}, {PLANE_TEXTS[result.plane]}: {result.soundings!r}{gust}")
+    say(f"{name}, {result.model}, {PLANE_TEXTS[result.plane]}: {result.soundings}{gust}")
     say(f"Judged from {begin:.4g} to {end:.4g} s of the flight. {answer_tables.interval(result)}")
     say(
         "A sounding that reaches its limit more than once is judged for this limit alone:"

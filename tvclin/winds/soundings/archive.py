@@ -128,13 +128,22 @@ class Soundings:
 
     def __repr__(self) -> str:
         """Return number, station and dates of the soundings, as text."""
+        return f"Soundings({len(self) or 'none'}{self._where_and_when})"
+
+    def __str__(self) -> str:
+        """Return number, station and dates of the soundings in words, for a sentence."""
+        return f"{plural(len(self), 'sounding')}{self._where_and_when}"
+
+    @property
+    def _where_and_when(self) -> str:
+        """Station, dates, and number of soundings that are not usable, in words."""
         where = f" of {self.station}" if self.station else ""
         if not len(self):
-            return f"Soundings(none{where})"
+            return where
         unusable = len(self) - int(np.sum(self.usable))
         unusable_text = f", {unusable} of them not usable" if unusable else ""
         first, last = (str(np.datetime64(t, "D")) for t in (self.times[0], self.times[-1]))
-        return f"Soundings({len(self)}{where} from {first} to {last}{unusable_text})"
+        return f"{where} from {first} to {last}{unusable_text}"
 
     def __len__(self) -> int:
         """Return the number of soundings, usable or not."""
