@@ -699,7 +699,11 @@ def doors(folder: Path) -> dict[str, Door]:
         "Coefficients.replace": Door(coefficients.replace, {"mu_alpha": 0.3}),
         "Criteria": Door(
             tv.control.Criteria,
-            {"name": "own", "limits": tv.CRITERIA["classic"].limits},
+            {
+                "name": "own",
+                "limits": tv.CRITERIA["classic"].limits,
+                "base": tv.CRITERIA["aircraft"],
+            },
         ),
         "Criteria.are_satisfied": Door(tv.CRITERIA["classic"].are_satisfied, {"margins": margins}),
         "Criteria.with_limits": Door(

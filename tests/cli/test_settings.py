@@ -63,6 +63,7 @@ def same(plan, other):
         ([("laws.names", '["trim"]')], '[laws]\nnames = ["trim"]'),
         ([("criteria.name", "aircraft"), ("criteria.disk_margin", ".5")],
          '[criteria]\nname = "aircraft"\ndisk_margin = 0.5'),
+        ([("criteria.phase_margin_deg", "35")], "[criteria]\nphase_margin_deg = 35"),
         ([("document.revision", "3")], '[document]\nrevision = "3"'),
         ([("dispersion.thrust.percent", "4")],
          '[[dispersion]]\nparameter = "thrust"\npercent = 4'),

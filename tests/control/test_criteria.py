@@ -370,7 +370,7 @@ def test_criteria_of_ones_own():
 def test_criteria_are_changed_limit_by_limit_and_each_says_where_it_comes_from():
     own = Criteria.custom("own", "a memorandum", delay_margin=0.05, disk_margin=0.4)
     changed = own.with_limits("a letter", disk_margin=0.5, aero_margin_dB=6.0)
-    assert changed.name == "own, changed by a letter"
+    assert changed.name == "own, with disk margin 0.5, aero margin 6 dB"
     assert changed.limits == (
         Criterion("delay_margin", 0.05, "a memorandum"),
         Criterion("disk_margin", 0.5, "a letter"),
@@ -378,6 +378,9 @@ def test_criteria_are_changed_limit_by_limit_and_each_says_where_it_comes_from()
     )
     assert changed.description == "delay margin 50 ms, disk margin 0.5, aero margin 6 dB"
     assert own.with_limits("nobody") is own
+    again = changed.with_limits("a call", disk_margin=0.6)
+    assert again.name == "own, with disk margin 0.6, aero margin 6 dB"
+    assert own.with_limits("a call", disk_margin=0.4).name == "own, with disk margin 0.4"
 
 
 def test_what_is_asked_of_modes_can_be_set_apart():
@@ -387,6 +390,10 @@ def test_what_is_asked_of_modes_can_be_set_apart():
     assert (whole.has_mode_limits, both.has_mode_limits) == (False, True)
     assert both.without_mode_limits == whole.without_mode_limits == whole
     assert Criteria.custom(**modes).without_mode_limits is None
+    classic = CRITERIA["classic"]
+    assert classic.with_limits("a letter", **modes).without_mode_limits == classic
+    changed = classic.with_limits("a letter", phase_margin_deg=35.0)
+    assert changed.with_limits("a letter", **modes).without_mode_limits == changed
 
 
 def test_a_judgement_is_told_with_its_source_and_of_the_whole_loop_without_a_band():

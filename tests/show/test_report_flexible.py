@@ -139,7 +139,7 @@ def test_the_section_shows_the_flight_with_limits_beside_the_rigid_vehicle(findi
     assert answers["flexible flight"].text == said
     assert answers["margins"].yes
     assert (
-        "flexible vehicle meets the criteria classic, changed by the study file"
+        "flexible vehicle meets the criteria classic, with mode gain margin 10 dB"
         in answers["margins"].text
     )
 

@@ -283,6 +283,34 @@ def test_gains_and_criteria_of_ones_own() -> None:
     assert by_rule.design.autopilot(plant).attitude_gain == expected.attitude_gain
 
 
+LIMITS = {
+    "phase_margin_deg": 35.0,
+    "gain_increase_dB": 3.0,
+    "delay_margin": 0.05,
+    "disk_margin": 0.4,
+    "peak_sensitivity": 2.0,
+}
+
+
+@pytest.mark.parametrize("name", [None, "classic", "aircraft"])
+@pytest.mark.parametrize("margin", LIMITS)
+def test_a_single_criterion_leaves_the_others_of_its_standard_set(margin, name) -> None:
+    """Gains that miss the others are not judged by the one alone; without a name it is classic."""
+    standard = tv.CRITERIA[name or "classic"]
+    key, number = margin, LIMITS[margin]
+    if margin == "delay_margin":
+        key, number = "delay_margin_ms", 50.0
+    named = {} if name is None else {"name": name}
+    criteria = plan(criteria=named | {key: number}).margin_criteria
+
+    limits = {limit.margin: limit.limit for limit in criteria.limits}
+    assert limits == {limit.margin: limit.limit for limit in standard.limits} | {
+        margin: LIMITS[margin]
+    }
+    assert criteria.name.startswith(f"{standard.name}, with {margin.split('_')[0]} ")
+    assert plan(criteria=named).margin_criteria == standard
+
+
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
@@ -321,7 +349,6 @@ def test_gains_and_criteria_of_ones_own() -> None:
         ({"autopilot": {"delay_ms": -1}}, r"delay_ms in \[autopilot\] must be zero or positive"),
         ({"autopilot": {"delay_ms": 1, "delay_s": 1}}, "delay is given twice .* keep one"),
         ({"criteria": {"name": "clasic"}}, "name in .criteria. must be one of .*'classic'"),
-        ({"criteria": {}}, "criteria need a limit"),
         ({"dispersion": [{"parameter": "thurst"}]}, "did you mean 'thrust'"),
         (
             {"dispersion": [{"parameter": "wind_peak", "spread": 1.0}]},

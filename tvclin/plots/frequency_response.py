@@ -43,6 +43,7 @@ from tvclin.plots.style import (
     Look,
     Mark,
     Style,
+    broken,
     control_plot,
     draw,
     draw_marks,
@@ -66,6 +67,8 @@ _MAX_DECIBELS = 60.0
 """Largest magnitude of the Bode diagram [dB]: poles on the imaginary axis have infinite peaks."""
 _BELOW_MODES, _ABOVE_MODES = 40.0, 15.0
 """Range below the smallest peak of a mode and above the largest magnitude [dB]."""
+_ENTRY_WIDTH = 42
+"""Width of an entry of the legend of a Nichols chart, which has two columns [characters]."""
 _SIDES = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg")
 
 
@@ -144,7 +147,8 @@ def _draw_box(axes: Axes, box: tuple[float, float, float], name: str) -> None:
     up, down, half_width = box
     if not any(box):
         return
-    label = f"criteria {literal(name)}: +{up:g}/-{down:g} dB, {half_width:g} deg"
+    words = f"criteria {name}: +{up:g}/-{down:g} dB, {half_width:g} deg"
+    label = literal(broken(words, _ENTRY_WIDTH))
     style: dict[str, Any] = {"ec": WARM, "fc": WARM, "lw": 1.6, "ls": "--", "zorder": 1.2}
     for point in _critical(*axes.get_xlim()):
         entry = label if point == -180.0 else ""

@@ -237,7 +237,7 @@ def title(name: str, samples: LoopSamples, more: str = "") -> str:
 
     `samples`: the loop. `more`: words after the verdict.
     """
-    return literal(f"{name}: {samples.verdict}{more}\n{broken(samples.words)}")
+    return literal(broken(f"{name}: {samples.verdict}{more}\n{samples.words}"))
 
 
 def decisive_frequencies(margins: Margins) -> FloatArray:

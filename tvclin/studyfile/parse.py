@@ -140,12 +140,9 @@ def _criteria_of(document: Mapping[str, Any]) -> Criteria | None:
 
 
 def _criteria(table: dict[str, Any]) -> Criteria:
-    """Return the criteria of the table [criteria]: custom limits, or a standard set changed."""
+    """Return the criteria of the table [criteria]: a standard set, changed by its numbers."""
     limits = CRITERIA_TABLE.read(table)
-    name = limits.pop("name", None)
-    if name is None:
-        return Criteria.custom(name="own", source="the study file", **limits)
-    standard = CRITERIA[one_of("name in [criteria]", name, CRITERIA)]
+    standard = CRITERIA[one_of("name in [criteria]", limits.pop("name", "classic"), CRITERIA)]
     return standard.with_limits(source="the study file", **limits)
 
 

@@ -60,8 +60,6 @@ _ALTERNATIVES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 """Quantities of a table of which the first group excludes the second."""
 _PULSE = ("shape", "peak", "peak_speed", "duration")
 """Quantities of a wind of one shape, which a sounding in its place removes."""
-_ASSUMED = {"criteria": {"name": "classic"}}
-"""Keys that a new table begins with, so that one number changes what is assumed without it."""
 _TEXTS = (WIND_TABLE, SOUNDING_TABLE, VEHICLE_TABLE, DOCUMENT_TABLE, PLANT_TABLE, CONTROLLER_TABLE)
 """Tables whose words are texts, also where they look like numbers."""
 _SINGLE_KEY_TABLES = {PLANT_TABLE.name, CONTROLLER_TABLE.name}
@@ -254,7 +252,7 @@ def _put(tables: dict[str, Any], setting: Setting) -> None:
 
     A key is TABLE.KEY, in a repeated table TABLE.ROW.KEY, and of a filter autopilot.filter.ROW.KEY;
     a table or a row takes no value but the one that removes it, None. A table that the file has not
-    is made, with the keys that it is assumed to have. `InputError` for a key of another form.
+    is made. `InputError` for a key of another form.
     """
     (name, *rest), value = setting.parts, setting.value
     if not rest:
@@ -269,7 +267,7 @@ def _put(tables: dict[str, Any], setting: Setting) -> None:
             return
         entry, table = row, _row_table(name, rest[0])
     elif entry is None:
-        entry = tables[name] = dict(_ASSUMED.get(name, {}))
+        entry = tables[name] = {}
     elif not isinstance(entry, dict):
         raise InputError(f"{name} is no table in the file")
     if name == "autopilot" and rest[0] == "filter" and len(rest) > 1:

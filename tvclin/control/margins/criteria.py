@@ -82,6 +82,12 @@ class Criterion(Record):
         return self.margin.removesuffix("_dB").removesuffix("_deg").replace("_", " ")
 
     @property
+    def description(self) -> str:
+        """Name and limit with its unit, such as "phase margin 30 deg"."""
+        limit, unit = self.shown
+        return f"{self.name} {limit:g} {unit}".rstrip()
+
+    @property
     def is_upper_limit(self) -> bool:
         """Whether the limit is an upper one."""
         return self.margin in _UPPER_LIMITS
@@ -141,14 +147,19 @@ class Criteria:
         Name of the set.
     limits : tuple of Criterion
         Limits of the set.
+    base : Criteria, optional
+        Set of which limits were replaced, or to which they were added.
     """
 
     name: str
     limits: tuple[Criterion, ...]
+    base: "Criteria | None" = None
 
     def __post_init__(self) -> None:
         """Check that the set has a name and one or more limits."""
         text("name", self.name)
+        if self.base is not None:
+            instance("base", self.base, Criteria, 'such as CRITERIA["classic"]')
         limits = each("limits", self.limits, Criterion, "see Criteria.custom")
         object.__setattr__(self, "limits", limits)
         if not limits:
@@ -185,7 +196,7 @@ class Criteria:
         return cls(name, tuple(Criterion(key, value, source) for key, value in limits.items()))
 
     def with_limits(self, source: str, **limits: float) -> "Criteria":
-        """Return the criteria with some limits replaced or added.
+        """Return the criteria with some limits replaced or added, which their name says.
 
         `source`: source of their numbers. `limits`: limits by margin, such as phase_margin_deg;
         without any the criteria are unchanged. `InputError` for a name that is no margin, and a
@@ -193,16 +204,14 @@ class Criteria:
         """
         if not limits:
             return self
-        name = f"{self.name}, changed by {text('source', source)}"
-        limits_of_source = Criteria.custom(name, source, **limits).limits
+        limits_of_source = Criteria.custom(self.name, source, **limits).limits
         by_margin = {r.margin: r for r in (*self.limits, *limits_of_source)}
-        return Criteria(name, tuple(by_margin.values()))
+        return _changed(self.base or self, tuple(by_margin.values()))
 
     @property
     def description(self) -> str:
         """Names and limits of all criteria, in one line."""
-        limits = [(r.name, *r.shown) for r in self.limits]
-        return ", ".join(f"{name} {limit:g} {unit}".rstrip() for name, limit, unit in limits)
+        return ", ".join(r.description for r in self.limits)
 
     @property
     def has_mode_limits(self) -> bool:
@@ -218,7 +227,10 @@ class Criteria:
     def without_mode_limits(self) -> "Criteria | None":
         """Criteria with the limits of the whole loop alone; None if there are none."""
         loop = tuple(r for r in self.limits if r.margin not in _MODE_MARGINS)
-        return Criteria(self.name, loop) if loop else None
+        if not loop or not self.has_mode_limits:
+            return self if loop else None
+        base = self.base and self.base.without_mode_limits
+        return _changed(base, loop) if base else Criteria(self.name, loop)
 
     def judge(self, margins: Margins | BandMargins) -> tuple[Judgement, ...]:
         """Return the judgement of each margin, in the order of the criteria.
@@ -250,6 +262,12 @@ class Criteria:
         """Return whether `margins` satisfy every criterion: bool, ``(...)`` of a batch."""
         verdicts = [np.asarray(judgement.satisfied) for judgement in self.judge(margins)]
         return plain_bool(np.logical_and.reduce(verdicts))
+
+
+def _changed(base: Criteria, limits: tuple[Criterion, ...]) -> Criteria:
+    """Return the criteria `limits`, whose name is that of `base` with the limits it has not."""
+    changes = ", ".join(r.description for r in limits if r not in base.limits)
+    return Criteria(f"{base.name}, with {changes}", limits, base) if changes else base
 
 
 def _judge(criterion: Criterion, margins: Margins) -> Judgement:
