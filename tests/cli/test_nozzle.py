@@ -374,3 +374,35 @@ def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:
     assert needed["limits_deg"]["trim"][-1] == pytest.approx(np.degrees(expected.required["trim"]))
     assert needed["survives"] == {"trim": True}
     assert figure.stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        ("nozzle", "configuration-i", "--law", "autopilot", "--limit-deg", "1"),
+        (
+            *("nozzle", "configuration-i", "--over", "flight", "--from", "60", "--to", "65"),
+            *("--law", "autopilot", "--limit-deg", "1"),
+        ),
+        ("fly", "configuration-i", "--law", "autopilot", "--engine", "planar"),
+    ],
+)
+def test_flights_of_an_autopilot_say_that_nobody_specified_its_gains(question) -> None:
+    words = "these are textbook gains, a0 = 2 B and a1 = B/beta"
+    shown = CliRunner().invoke(app, [*question])
+    specified = CliRunner().invoke(app, [*question, "--set", "autopilot.design=lqr"])
+
+    assert words in " ".join(shown.output.split())
+    assert words not in " ".join(specified.output.split())
+    assert specified.exit_code < 2, specified.output
+
+
+@pytest.mark.parametrize("over", [(), ("--over", "flight", "--from", "60", "--to", "65")])
+def test_more_prints_the_autopilot_that_is_flown(over) -> None:
+    given = ("--law", "autopilot", "--limit-deg", "1", "--more")
+    given += ("--set", "autopilot.attitude_gain=1.25", "--set", "autopilot.rate_gain_s=0.9")
+    given += ("--set", "autopilot.sample_rate_Hz=40")
+    output = " ".join(run(*over, *given).output.split())
+
+    assert "flown at 40 Hz" in output
+    assert "attitude gain a0 1.25 rate gain a1 0.9 s" in output

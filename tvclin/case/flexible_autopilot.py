@@ -190,16 +190,10 @@ def gain_notes(
 ) -> Iterator[str]:
     """Yield notes on unspecified gains or actuator, and on gains that satisfy the criteria.
 
-    By default the gain on attitude a0 = 2 B and that on attitude rate a1 [s] = B/beta: B the trim
-    deflection over wind angle, beta the unstable pole [1/s].
     `case`: the vehicle and its autopilot. `satisfied`: whether the gains of the case satisfy the
     criteria. `delay_margin`: delay margin [s] of these gains.
     """
-    if case.autopilot_design.unspecified and case.controller is None:
-        yield (
-            "these are textbook gains, a0 = 2 B and a1 = B/beta, since no option and no file"
-            " specifies others"
-        )
+    yield from textbook_notes(case)
     half_sample = 0.5 / case.hardware["sample_rate"]
     if not satisfied:
         yield _better_gains(case, criteria)
@@ -209,6 +203,25 @@ def gain_notes(
             f" {1e3 * half_sample:.3g} ms, and no criterion bounds it (criteria.delay_margin_ms)"
         )
     yield from actuator_notes(case)
+
+
+def textbook_notes(case: Case, *, over_flight: bool = False) -> Iterator[str]:
+    """Yield a note if neither the file nor an option of a case specifies the gains.
+
+    By default the gain on attitude a0 = 2 B and that on attitude rate a1 [s] = B/beta: B the trim
+    deflection over wind angle, beta the unstable pole [1/s]. `over_flight`: whether the autopilot
+    has such gains at each flight time.
+    """
+    if case.autopilot_design.unspecified and case.controller is None:
+        times, table = (
+            (" at each flight time", " (--set autopilot.schedule FILE: a table of them)")
+            if over_flight
+            else ("", "")
+        )
+        yield (
+            f"these are textbook gains{times}, a0 = 2 B and a1 = B/beta, since no option and no"
+            f" file specifies others{table}"
+        )
 
 
 def actuator_notes(case: Case) -> Iterator[str]:

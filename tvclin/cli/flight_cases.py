@@ -12,6 +12,7 @@ from tvclin.base.errors import InputError, one_of
 from tvclin.base.lines import Table
 from tvclin.base.quantities import NOMINAL, survival
 from tvclin.boundary.optimum.minimum_peak import optimum_deflection
+from tvclin.case.flexible_autopilot import textbook_notes
 from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_answer, print_json, say
@@ -445,7 +446,12 @@ def worst_of(flights: dict[str, Compared]) -> Compared:
 
 
 def _flight_notes(case: FlightCase, flight: FlightComparison) -> Iterator[str]:
-    """Yield notes on the model, on a limit below the minimum of any control, and on its release."""
+    """Yield notes on unspecified gains, on the model, on a limit below the minimum, on its release.
+
+    The minimum is that of any control.
+    """
+    if case.law == AUTOPILOT:
+        yield from textbook_notes(case.plan)
     if case.study_model != DEFAULT_MODEL:
         yield f"linear theory is of {DEFAULT_MODEL} here, the study of {case.study_model}"
     if case.limit < case.minimum and (flight.survived or flight.predicted):

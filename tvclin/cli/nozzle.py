@@ -1,6 +1,6 @@
 """`tvclin nozzle`: limits over rate or load in a wind, and the duty of the nozzle over a flight."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,13 +11,15 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed
-from tvclin.base.quantities import REQUIRED, REQUIRED_RATE, sufficiency
+from tvclin.base.quantities import NOMINAL, REQUIRED, REQUIRED_RATE, sufficiency
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off, required_rate_table
+from tvclin.case.flexible_autopilot import textbook_notes
 from tvclin.case.load import FlownLoad
 from tvclin.cli.ascent import PlaneOptions, case_over_flight
 from tvclin.cli.fly_autopilot import limited_law
 from tvclin.cli.inputs import case_of, note_nominal_pressure, note_omissions, only_with
+from tvclin.cli.margins import print_autopilot
 from tvclin.cli.options import (
     BOTH_LIMITS,
     DESIGN,
@@ -38,6 +40,8 @@ from tvclin.cli.options import (
 from tvclin.cli.output import answer, bar, print_answer, print_tables, waiting
 from tvclin.cli.wind import FlightOptions, WindOptions, cut_condition, with_gust_for
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
+from tvclin.design.gain_designs import specified_autopilot
+from tvclin.nozzle.data_sheet import FlightDuty
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
@@ -160,12 +164,28 @@ def _print_in_a_wind(
         lambda: print_answer(
             result.verdict(required) + cut_condition(case),
             *result.tables,
-            notes=result.notes,
+            notes=(*_gain_notes(case, options), *result.notes),
             more=more,
-            details=lambda: print_tables(*result.further),
+            details=lambda: _print_details(result.further, case if AUTOPILOT in names else None),
         ),
         result.satisfied,
     )
+
+
+def _gain_notes(case: StudyPlan, options: NozzleOptions) -> Iterator[str]:
+    """Yield a note on unspecified gains of a case if its autopilot is among the laws of options."""
+    if AUTOPILOT in (*options.names, *(_every_law(case) if options.laws else ())):
+        yield from textbook_notes(case)
+
+
+def _print_details(further: Iterable[Table], flown: StudyPlan | None) -> None:
+    """Print the `further` tables of an answer and the autopilot of a `flown` case, None without."""
+    print_tables(*further)
+    if flown is not None:
+        autopilot = specified_autopilot(flown, flown.history, criteria=flown.margin_criteria)
+        time, rate = getattr(flown.vehicle, "time", None), flown.hardware["sample_rate"]
+        at = "" if time is None else f" of {float(time):.6g} s"
+        print_autopilot(f"Autopilot{at}, {NOMINAL}, flown at {rate:g} Hz", autopilot, flown.plant)
 
 
 def _case_in_a_wind(
@@ -390,9 +410,13 @@ def _rate_text(required_rate: float, at: str, law: str, least: str = "") -> str:
 
 def _flown_limits(case: StudyPlan) -> FlownTradeOff:
     """Return the limits that the laws of a case require in flight, over the rate limit."""
-    laws = tuple(LAWS) if case.laws is None else case.laws.names
     with bar("boundaries") as progress:
-        return flown_trade_offs({"": case}, laws=laws, progress=progress)[""]
+        return flown_trade_offs({"": case}, laws=_every_law(case), progress=progress)[""]
+
+
+def _every_law(case: StudyPlan) -> tuple[str, ...]:
+    """Return the names of the laws that --laws flies: those of a study file, or all."""
+    return tuple(LAWS) if case.laws is None else case.laws.names
 
 
 def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
@@ -473,9 +497,9 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
         note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
     with bar("flight times and winds") as progress:
         duty = flight_duty(case, request, law, turbulence=case.turbulence, progress=progress)
-    notes = [f"{law} {_FROZEN_DUTY}", *request.warnings, *request.notes, *duty.notes]
-    if shown.csv is not None:
-        duty.to_csv(shown.csv)
+    gains = textbook_notes(case) if law == AUTOPILOT else ()
+    notes = [f"{law} {_FROZEN_DUTY}", *gains, *request.warnings, *request.notes, *duty.notes]
+    duty.to_csv(shown.csv)  # written where the option names a file
     sheet, *further = duty.tables()
     name = f"{duty.vehicle or source}, {PLANE_TEXTS[case.planes]}"
     sheet = replace(sheet, caption=f"{name}, {law} flown\n{sheet.caption}")
@@ -487,7 +511,27 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
             sheet,
             notes=[*notes, _USED],
             more=more,
-            details=lambda: print_tables(*further),
+            details=lambda: _print_details(further, _at_worst_time(case, duty)),
         ),
         bool(duty.verdict.satisfied),
+    )
+
+
+def _at_worst_time(case: StudyPlan, duty: FlightDuty) -> StudyPlan | None:
+    """Return a case with its vehicle at the time of the first lost flight, or the largest angle.
+
+    `duty`: flights of a law over the flight. None where the autopilot was not flown.
+    """
+    assert case.sizing is not None
+    flights = [point for point in duty.points if point.status]
+    if duty.law != AUTOPILOT or not flights:
+        return None
+    worst = max(flights, key=lambda x: np.inf if x.duty is None else abs(float(x.duty.angle.value)))
+    return StudyPlan(
+        vehicle=case.sizing.schedule.at(worst.time).replace(structure=None),
+        model=case.law_model,
+        plane=worst.plane,
+        nozzle=case.nozzle,
+        design=case.design,
+        controller=case.controller,
     )

@@ -19,7 +19,7 @@ from tvclin.base.errors import InputError, between, number
 from tvclin.base.fields import derived, record_table, spec
 from tvclin.base.lines import Table, plural, text
 from tvclin.base.quantities import survival
-from tvclin.case.flexible_autopilot import actuator_notes
+from tvclin.case.flexible_autopilot import actuator_notes, textbook_notes
 from tvclin.control.autopilot.gain_schedule import (
     GainSchedule,
     constant_gains_notes,
@@ -151,11 +151,7 @@ class FlightLoop:
     def notes(self) -> Iterator[str]:
         """Notes on the flight, implausible numbers, unspecified gains, an assumed actuator."""
         yield from (*self.flight.notes, *vehicle_warnings(self.flight.vehicle))
-        if self.plan.autopilot_design.unspecified:
-            yield (
-                "these are textbook gains at each flight time, since no option and no file"
-                " specifies others (--set autopilot.schedule FILE: a table of them)"
-            )
+        yield from textbook_notes(self.plan, over_flight=True)
         yield from constant_gains_notes(self.autopilot, self.flight, self.times)
         if self.flight.actuator_frequency is None:
             yield from actuator_notes(self.plan)
