@@ -1,6 +1,7 @@
 """--set KEY VALUE: the plan of a study file that has the key, in every command with a case."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -296,6 +297,9 @@ def test_the_list_of_keys_has_each_key_once_with_its_help():
     names = [key.name for key in all_keys()]
     assert len(names) == len(set(names))
     assert all(key.help for key in all_keys())
+    for key in all_keys():  # no empty item of a list, and no function or field of Python
+        assert not re.search(r", *$", key.help), key
+        assert not re.search(r"[A-Z]\w+\.[a-z]|standard_|flight_duty", key.help), key
     for name, table in (STUDY_TABLES | VEHICLE_TABLES).items():
         for quantity in {*table.quantities, *table.words, *table.lists} - {"filter"}:
             spelled = {f"{name}.{key}" for key, (of, _) in table.keys.items() if of == quantity}
