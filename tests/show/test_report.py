@@ -1,5 +1,6 @@
 """The page: every number is the library's, every text escaped, the same inputs the same bytes."""
 
+import json
 import re
 import sys
 import tomllib
@@ -694,11 +695,15 @@ def test_a_flight_of_another_vehicle_is_told_wherever_it_counts(tmp_path: Path) 
     request = tv.studyfile.load_sizing(study).sizing
     result = CliRunner().invoke(app, ["report", str(study), "-o", str(output)])
     sized = CliRunner().invoke(app, ["ascent", str(study)])
+    answered = CliRunner().invoke(app, ["study", str(study)])
+    document = json.loads(CliRunner().invoke(app, ["study", str(study), "--json"]).stdout)
 
     assert (request.source, request.another) == ("configuration-i", "my.toml")
     assert output.read_text().count(said[1:].replace("'", "&#39;")) == 2
     assert f"\nNote: {said}" in result.output
     assert f"\nNote: {said}" in sized.output
+    assert f"\nNote: {said}" in answered.output
+    assert any(note.startswith(said) for note in document["notes"])
 
 
 def test_a_flight_without_an_answer_says_why(plan: tv.studyfile.StudyPlan) -> None:

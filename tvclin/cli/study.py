@@ -136,13 +136,15 @@ def _document(findings: Findings) -> dict[str, Any]:
     for name in ("dispersed", "turbulence"):
         if getattr(findings, name) is not None:
             extra[name] = getattr(findings, name)
-    all_notes = [*findings.study.notes, *_loop_notes(findings)]
+    all_notes = [*findings.study.notes, *_further_notes(findings)]
     answers = {"questions": questions(findings), "all_answers_yes": sufficient(findings)}
     return findings.study.as_dict() | extra | answers | {"notes": all_notes}
 
 
-def _loop_notes(findings: Findings) -> Iterator[str]:
-    """Yield the notes on nominal pressure, on detuned modes, and on what the plan leaves open."""
+def _further_notes(findings: Findings) -> Iterator[str]:
+    """Yield warnings of the flight, and notes on nominal pressure, detuned modes and the loop."""
+    if findings.plan.sizing is not None:
+        yield from findings.plan.sizing.warnings
     for notes in (nominal_notes, detuning_notes, loop_notes):
         yield from notes(findings)
 
@@ -158,7 +160,7 @@ def _print(findings: Findings, source: str, explain: bool, more: bool) -> None:
     s, several = findings.study, len(questions(findings)) > 1
     headline, requirement = text(sentence(findings)), text(tables.requirement(s))
     archive_notes = () if findings.availability is None else findings.availability.notes
-    further_notes = [*_loop_notes(findings), *archive_notes]
+    further_notes = [*_further_notes(findings), *archive_notes]
     turbulence, unknown = findings.turbulence, findings.reasons.get("turbulence")
     if unknown and not several:
         further_notes.append(f"turbulence: {unknown}")

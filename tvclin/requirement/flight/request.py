@@ -606,15 +606,16 @@ class SizingRequest:
         )
 
     @property
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[ImplausibleInput]:
         """Warnings on implausible numbers of the flight, and if it is of `another` vehicle."""
         noted = (note for note in self.schedule.notes if isinstance(note, ImplausibleInput))
-        warnings: list[str] = [*noted, *vehicle_warnings(self.schedule.vehicle)]
+        warnings = [*noted, *vehicle_warnings(self.schedule.vehicle)]
         if self.another:
-            warnings.append(
+            words = (
                 f"the flight is of {self.source}, not of the study's vehicle, {self.another}; give"
                 " its flight in [schedule], or omit [schedule] and [size]"
             )
+            warnings.append(ImplausibleInput(words))
         return warnings
 
     def sounding_lines(self) -> Iterator[Line]:
@@ -628,8 +629,7 @@ class SizingRequest:
     @property
     def notes(self) -> list[str]:
         """Notes on the flight, except of `warnings`, and on soundings."""
-        warnings = self.warnings
-        of_flight = [note for note in self.schedule.notes if note not in warnings]
+        of_flight = [x for x in self.schedule.notes if not isinstance(x, ImplausibleInput)]
         if not self.soundings:
             return of_flight
         scope = (
