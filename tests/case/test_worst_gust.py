@@ -73,7 +73,6 @@ def test_the_time_is_that_of_the_pressure_encountered() -> None:
         assert required > ratio * of(gust_at=nominal).required_deflection
 
 
-@pytest.mark.thorough
 def test_a_short_gust_in_a_long_wind_is_placed_at_the_pressure_encountered_too() -> None:
     """The steps follow the gust; those of all its times together are more than of one wind."""
     shallow = tv.load_vehicle("configuration-i").replace(attitude=np.radians(28.9))

@@ -122,14 +122,15 @@ def _interval_times(wind: History, motion: Motion, parts: float) -> list[FloatAr
     substeps of each step.
     """
     knots, counts = step_counts(wind, motion)
-    counts = counts.max(axis=0)
-    if not counts.sum() <= MAX_STEPS:
+    # of each wind by itself: the largest numbers of all intervals may add up to several times more
+    if not np.all(counts.sum(axis=-1) <= MAX_STEPS):
         shortest, lasts = 1.0 / _fastest(wind, motion).max(), np.max(wind.end - wind.onset)
         raise InputError(
             f"varying parameters can be followed for at most {MAX_STEPS * STEP:.4g} times"
             f" {shortest:.4g} s, the time of the fastest motion or gust; this wind lasts"
             f" {lasts:.4g} s: check the moment of inertia and the forces, or shorten the wind"
         )
+    counts = counts.max(axis=0)
     widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
     intervals = []  # times of the n steps in each interval between two breakpoints
     for i in np.flatnonzero(counts):
