@@ -409,6 +409,35 @@ def test_a_cross_wind_that_leaves_an_autopilot_open_is_called_one():
     )
 
 
+def test_an_autopilot_flies_a_sounding_whole_and_boundaries_name_the_part_that_counts(tmp_path):
+    """A jet from behind about the time of the vehicle, and a weaker wind from ahead above it."""
+    flight = tv.load_schedule("configuration-i")
+    height = np.interp([45.0, 66.0, 76.0, 90.0, 100.0], flight.times, flight.height)
+    winds, curves = tmp_path / "jet.csv", tmp_path / "fly.csv"
+    levels = np.linspace(height[0], height[-1], 21)
+    rows = [f"{h},{np.interp(h, height, [0, 30, 0, -12, 0])},0" for h in levels]
+    winds.write_text("height_m,wind_u_m_per_s,wind_v_m_per_s\n" + "\n".join(rows))
+    sounding = ["--winds", winds, "--azimuth-deg", 90, "--set", "sounding.window_s=50"]
+
+    autopilot = ("--natural-frequency", 1.5, "--sample-rate", 100, "--limit-deg", 5)
+    flown = run(*autopilot, *sounding, "--csv", curves)
+    lines = curves.read_text().splitlines()
+    wind = np.array([float(line.split(",")[-1]) for line in lines[2:]])
+    assert wind.min() < -0.1 * wind.max()
+    assert ", t = 0 at 45 s of flight" in lines[0]
+    assert "side on which it is largest" not in flown.stderr
+    # peaks without a limit are printed with --more
+    said = "peaks are of the continuous autopilot"
+    assert said not in flown.stdout
+    assert said in run(*autopilot, *sounding, "--more").stdout
+
+    for command, what in (("boundary", "K < 1"), ("fly", "the report's control")):
+        bound = CliRunner().invoke(app, [command, "configuration-i", *map(str, sounding)])
+        assert bound.exit_code in (0, 1), bound.output
+        note = f"in jet.csv only what blows to the side on which it is largest counts for {what}"
+        assert note in " ".join(bound.stderr.split())
+
+
 @pytest.mark.thorough
 def test_a_part_of_a_sounding_is_said_to_be_one():
     sounding = ("--winds", SOUNDING, "--azimuth-deg", 90)

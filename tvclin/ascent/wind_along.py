@@ -289,13 +289,13 @@ _TIME = "the vehicle's time"
 class SoundingWind(VehicleWind):
     """Wind of a sounding that a vehicle encounters around its time of flight.
 
-    As over a whole flight, the part with the sign of its peak counts, for boundaries are defined
-    for winds of one sign. `name`: name of the sounding. `profile`: wind over height. `schedule`:
-    flight of the vehicle, with its altitude. `azimuth`: direction of flight [rad], from north,
-    clockwise. `window`: length [s] of the interval that counts, about the time of the vehicle.
-    `gust`: gust on top of it; see `MeasuredWind`. `bias`: mean wind for which the flight path is
-    biased; see `fly_through`. `in_flight`: whether the history is in flight time, or begins at
-    zero.
+    Its history has angles of both signs, as a flight meets them; the part with the sign of its peak
+    is `of_one_sign`, for boundaries, which are defined for winds of one sign. `name`: name of the
+    sounding. `profile`: wind over height. `schedule`: flight of the vehicle, with its altitude.
+    `azimuth`: direction of flight [rad], from north, clockwise. `window`: length [s] of the
+    interval that counts, about the time of the vehicle. `gust`: gust on top of it; see
+    `MeasuredWind`. `bias`: mean wind for which the flight path is biased; see `fly_through`.
+    `in_flight`: whether the history is in flight time, or begins at zero.
     """
 
     name: str
@@ -327,12 +327,31 @@ class SoundingWind(VehicleWind):
         """
         wind, time = self._along(plane), self._time(vehicle)
         first, last = wind.known
-        history = wind(complete_vehicle(vehicle, "a sounding")) if first <= time <= last else None
+        vehicle = complete_vehicle(vehicle, "a sounding")
+        history = wind.of_both_signs(vehicle) if first <= time <= last else None
         if history is None:
             raise NotKnownError(f"the wind of {self.name} is not known at {time:g} s, {_TIME}")
         if not history.peak:
             raise InputError(f"the wind of {self.name} is calm at {time:g} s, {_TIME}")
-        return history if self.in_flight else history.shift(-float(history.onset))
+        return history.shift(-self.zero(vehicle, plane))
+
+    def zero(self, vehicle: Any, plane: str) -> float:
+        """Return the time of flight [s] at which the history of a vehicle in a plane has t = 0."""
+        if self.in_flight:
+            return 0.0
+        whole = self._along(plane).of_both_signs(complete_vehicle(vehicle, "a sounding"))
+        return float(whole.onset)
+
+    def of_one_sign(self, vehicle: Any, plane: str) -> History:
+        """Return the part [rad] of `history` with the sign of its largest angle, at the same times.
+
+        `vehicle`, `plane`: as of `history`, and with its errors.
+        """
+        history = self.history(vehicle, plane)
+        if history.constant_sign:
+            return history
+        part = self._along(plane)(complete_vehicle(vehicle, "a sounding"))
+        return part.shift(-self.zero(vehicle, plane))
 
     def largest_pressure(self, vehicle: Any, plane: str) -> float:
         """Return the largest ratio q/q_n that a vehicle encounters while its history lasts.
@@ -341,7 +360,7 @@ class SoundingWind(VehicleWind):
         gust. `vehicle`: has the time of flight. `plane`: plane of the history, pitch or yaw.
         """
         wind = self._along(plane)
-        history = wind(complete_vehicle(vehicle, "a sounding"))
+        history = wind.of_both_signs(complete_vehicle(vehicle, "a sounding"))
         assert wind.speeds is not None
         times = np.union1d(history.probe_times(), wind.speeds.time)
         times = times[(times >= history.onset) & (times < history.end)]
@@ -349,38 +368,54 @@ class SoundingWind(VehicleWind):
         return float(ratio.max())
 
     def notes(self, vehicle: Any, plane: str) -> Iterator[str]:
-        """Yield notes on the sounding, and one where it ends within the window of a vehicle.
+        """Yield notes on the sounding, and on ends of flight or sounding in a vehicle's window.
 
         `vehicle`: has the time of flight. `plane`: pitch or yaw.
         """
         notes = self.profile.notes_along(self.schedule)
         yield from (f"{self.name}: {note}" for note in notes)
-        first, last = self._along(plane).known
         time, half = self._time(vehicle), self.window / 2
-        if time - half < first or last < time + half:
-            yield (
-                f"{self.name} is known from {first:.6g} to {last:.6g} s of flight only; the wind"
-                " beyond is not counted"
-            )
+        steps = np.degrees(np.abs(self._end_angles(vehicle, plane)))
+        ends = (*self._along(plane).known, *self.schedule.span, *steps)
+        first, last, flight_begin, flight_end, at_begin, at_end = map(float, ends)
+        if time - half < first:
+            yield self._end_note("begins", first, first <= flight_begin, "before", at_begin)
+        if last < time + half:
+            yield self._end_note("ends", last, last >= flight_end, "after", at_end)
+
+    def _end_note(self, verb: str, time: float, of_flight: bool, side: str, step: float) -> str:
+        """Return a note on an end of the flight or of the known wind, within the window.
+
+        `verb`: begins or ends. `time`: its time of flight [s]. `of_flight`: whether it is an end of
+        the flight. `side`: before or after. `step`: wind angle there [deg], zero for none.
+        """
+        what = "the flight" if of_flight else "the known wind"
+        with_step = f", with a step of {step:.3g} deg" if step else ""
+        return (
+            f"{self.name}: {what} {verb} at {time:.6g} s{with_step}; no wind {side} that is counted"
+        )
 
     def steps(self, vehicle: Any, plane: str) -> FloatArray:
         """Return the wind angles [rad] at the begin and the end of the window, ``(2,)``.
 
-        With such steps the wind of the largest angle's sign begins and ends, as the window cuts the
-        sounding there. Zero at an end of the sounding itself, and where the wind has the other
-        sign; both are zero if they are at most a tenth of the largest angle. `vehicle`: has the
-        time of flight. `plane`: pitch or yaw.
+        With such steps the wind begins and ends, as the window cuts the sounding there. Zero at an
+        end of the flight or of the sounding itself, and if at most a tenth of the largest angle.
+        `vehicle`: has the time of flight. `plane`: pitch or yaw.
         """
-        wind, time = self._along(plane), self._time(vehicle)
-        _times, angles = wind.samples(complete_vehicle(vehicle, "a sounding"))
-        if not np.any(angles):  # also where the wind is not known
-            return np.zeros(2)
-        largest = angles[np.argmax(np.abs(angles))]
-        first, last = wind.known
+        time, (first, last) = self._time(vehicle), self._along(plane).known
         is_cut = first < time - self.window / 2, time + self.window / 2 < last
-        of_sign = np.where(angles[[0, -1]] * largest > 0.0, angles[[0, -1]], 0.0)
-        steps = np.where(is_cut, of_sign, 0.0)
-        return steps if np.abs(steps).max() > _MIN_STEP_FRACTION * abs(largest) else 0.0 * steps
+        return np.where(is_cut, self._end_angles(vehicle, plane), 0.0)
+
+    def _end_angles(self, vehicle: Any, plane: str) -> FloatArray:
+        """Return the first and the last wind angle [rad] of a vehicle's window, ``(2,)``.
+
+        Each is zero if it is at most a tenth of the largest.
+        """
+        _times, angles = self._along(plane).samples(complete_vehicle(vehicle, "a sounding"))
+        if not angles.size:  # where the wind is not known
+            return np.zeros(2)
+        ends = angles[[0, -1]]
+        return np.where(np.abs(ends) > _MIN_STEP_FRACTION * np.abs(angles).max(), ends, 0.0)
 
     def unknown(self, vehicle: Any, plane: str) -> str:
         """Return why the wind is not known within the window of a vehicle, in words; often empty.

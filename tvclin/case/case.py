@@ -268,6 +268,16 @@ class Case:
         return wind if isinstance(wind, History) else wind.history({})
 
     @cached_property
+    def one_sign_history(self) -> History:
+        """The part [rad] of `history` with the sign of its peak, for the theorems that need it.
+
+        It is `history` itself of any wind but a sounding with angles of both signs.
+        """
+        if isinstance(self.wind, VehicleWind) and not self.history.constant_sign:
+            return self.wind.of_one_sign(self.vehicle, self.plane)
+        return self.history
+
+    @cached_property
     def unknown_wind(self) -> str:
         """Reason why survival is not known in the wind, a sounding with gaps; often empty."""
         if isinstance(self.wind, VehicleWind):

@@ -24,7 +24,7 @@ from tvclin.cli.options import (
     option,
 )
 from tvclin.cli.output import answer, draw, print_answer, print_tables, say
-from tvclin.cli.wind import WindOptions, cut_condition, with_gust_for
+from tvclin.cli.wind import WindOptions, cut_condition, note_one_sign, with_gust_for
 from tvclin.linear.plant import Plant
 from tvclin.linear.response import attitude_responses
 from tvclin.requirement.case_requirement import study_requirement
@@ -216,7 +216,7 @@ def print_in_wind(
         lambda curves: plots.response_chart(curves, f"Minimum-peak control\n{title}"),
     )
     required = study_requirement(case, case.dead_band)
-    by_dead_band, notes = _required(plant, wind, dead_bands)
+    by_dead_band, notes = _required(case, dead_bands)
     verdict = _verdict(known_wind, case) + (f"; {required.see_study}" if required else "")
     of_dead_bands = {"boundaries": _document(dead_bands, by_dead_band), "notes": notes}
     answer(
@@ -248,12 +248,19 @@ def _verdict(known_wind: KnownWind, case: StudyPlan) -> str:
 
 
 def _required(
-    plant: Plant, wind: History, dead_bands: FloatArray
+    case: StudyPlan, dead_bands: FloatArray
 ) -> tuple[RequiredDeflection | None, list[str]]:
-    """Return the required deflection by dead band, ``(k,)``, None without a boundary, and notes."""
+    """Return the required deflection by dead band, ``(k,)``, None without a boundary, and notes.
+
+    K = 1 counts the wind with both signs, K < 1 the part with the sign of its peak.
+    """
+    plant, wind = case.plant.rigid, case.history
     notes = [*linear_notes(float(wind.peak))]
+    if np.any(dead_bands < 1.0):
+        note_one_sign(case.wind, case, "K < 1")
     try:
-        return required_deflection(plant, wind, dead_bands), notes
+        one_sign, two_sided = case.one_sign_history, None if wind.constant_sign else wind
+        return required_deflection(plant, one_sign, dead_bands, two_sided=two_sided), notes
     except InputError as error:
         return None, [*notes, f"there is no boundary limit: {error}"]
 

@@ -30,7 +30,7 @@ from tvclin.cli.options import (
     to_write,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, say
-from tvclin.cli.wind import DIRECTED, WindOptions, note_sounding
+from tvclin.cli.wind import DIRECTED, WindOptions, note_one_sign, note_sounding
 from tvclin.ensembles.campaign.campaign_plan import Campaign, SoundingEnsemble
 from tvclin.ensembles.campaign.chunk_runner import (
     cluster,
@@ -221,8 +221,9 @@ def _in_a_sounding(campaign: Campaign, winds: WindOptions, source: str) -> Campa
     sounding = winds.sounding_of(campaign, source)
     assert sounding is not None
     in_plane = campaign.vehicle, campaign.plane
-    wind = FixedWind(sounding.history(*in_plane), sounding.unknown(*in_plane))
+    wind = FixedWind(sounding.of_one_sign(*in_plane), sounding.unknown(*in_plane))
     note_sounding(sounding, campaign, source_tables(source).get("sounding", {}).get("window_s"))
+    note_one_sign(sounding, campaign, "a campaign")
     return replace(campaign, wind=wind)
 
 

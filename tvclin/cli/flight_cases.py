@@ -16,7 +16,7 @@ from tvclin.case.flexible_autopilot import textbook_notes
 from tvclin.cli.inputs import chosen
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_answer, print_json, say
-from tvclin.cli.wind import wind_words
+from tvclin.cli.wind import note_one_sign, wind_words, zero_words
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS, design_law
 from tvclin.design.gain_designs import specified_autopilot
@@ -86,6 +86,7 @@ class Compared:
         from tvclin.plots import flight_chart, flight_curves
 
         title = f"{self.flying.title}, limit {np.degrees(self.limit):.3f} deg, {self.flying.engine}"
+        title += zero_words(self.flying.plan)
         shown.write(
             lambda: flight_curves(
                 self.flight, self.limit, "fly", title.replace("\n", ", "), self.reference
@@ -211,8 +212,8 @@ class Flying:
 
     @property
     def wind(self) -> History:
-        """The wind [rad]."""
-        return self.plan.history
+        """The wind [rad]; for the report's control, which needs it, the part of one sign."""
+        return self.plan.one_sign_history if self.law == REPORT else self.plan.history
 
     @property
     def unknown_wind(self) -> str:
@@ -330,6 +331,8 @@ def flight_case(
     flying = replace(flying, plan=replace(flying.plan, model=""))  # empty: the default model
     plant, wind = flying.plan.plant.rigid, flying.wind
     _check_flight(plant, wind, length)
+    if flying.law == REPORT:
+        note_one_sign(flying.plan.wind, flying.plan, "the report's control")
     control = flying.designed(plant)
     boundary = linear_boundary(plant, control, wind)
     if boundary == 0.0:  # damping and path keep an almost neutral vehicle stable

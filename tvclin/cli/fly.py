@@ -223,7 +223,7 @@ def _flown(
     frozen ones. `more`: whether the boundary is flown too.
     """
     flying = next(iter(flights.values()))
-    wind = flying.plan.history
+    wind = flying.wind
     length = _DURATIONS_SHOWN * float(wind.end - wind.onset)
     if engine != LINEAR:
         cases = {

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tvclin.ascent.wind_along import SoundingWind
 from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.lines import Row, quantities, significant
@@ -457,6 +458,8 @@ class AutopilotFlight:
         verdict = requirement
         if self.limit is not None:
             verdict, notes = self._verdict, [requirement, *notes]
+            if not more:  # the deflections, of which these notes are, are below the flight
+                notes = [note for note in notes if note not in self.compared.notes]
 
         def details() -> None:
             """Print the remaining `tables`, and what stands below them."""
@@ -506,7 +509,8 @@ class AutopilotFlight:
         if self.sufficient is None:
             reason = self.reason
             if self.requirement is not None:
-                bound = f"and below the bound for a {self.direction} wind"
+                wind = "this wind" if self._is_measured else f"a {self.direction} wind"
+                bound = f"and below the bound for {wind}"
                 known = self.requirement.head is not None
                 reason = f"sufficient {NOMINAL}, {bound if known else 'not known at another'}"
             reason = self.unknown_reason or self.linear.unknown_wind or reason
@@ -533,9 +537,18 @@ class AutopilotFlight:
             return f"no limit that was tried survives, {NOMINAL}"
         nominal = f"{degrees(self.requirement.nominal_deflection):.3f} deg"
         if self.requirement.head is None:
-            return f"{nominal} {NOMINAL}"
+            counted = self._is_measured and self.case.sign is None
+            below = counted and not self.requirement.head_counts
+            return f"{nominal} {NOMINAL}{', the largest in this wind' if below else ''}"
         bound = f"{degrees(self.requirement.deflection):.3f} deg"
-        return f"{bound} at the peak pressure of a {self.direction} wind, {nominal} at nominal"
+        peak = f"the peak pressure of a {self.direction} wind"
+        where = "the largest pressure in this wind" if self._is_measured else peak
+        return f"{bound} at {where}, {nominal} at nominal"
+
+    @property
+    def _is_measured(self) -> bool:
+        """Whether the wind is a sounding, whose largest pressure need not be at its peak."""
+        return isinstance(self.case.wind, SoundingWind)
 
     def _further_rows(self) -> Iterator[Row]:
         """Yield rows (label, number) of the loads in the wind, and of its worst duration.

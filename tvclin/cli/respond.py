@@ -28,7 +28,7 @@ from tvclin.cli.options import (
     option,
 )
 from tvclin.cli.output import answer, print_answer
-from tvclin.cli.wind import WindOptions, wind_words, with_gust_for
+from tvclin.cli.wind import WindOptions, note_one_sign, wind_words, with_gust_for
 from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import (
     COMPLETE,
@@ -149,7 +149,7 @@ def bounded_trim(
     """
     if capability is not None and case.nozzle.limit is not None:
         raise InputError("give --capability or --limit-deg, not both")
-    wind, plant = case.history, case.plant.rigid
+    wind, plant = case.one_sign_history, case.plant.rigid
     history = wind.shift(-float(wind.onset)) if wind.onset else wind
     _check_length(plant, max(until, 1.0) * float(history.end))
     needed = required_deflection(plant, history, dead_band)
@@ -235,6 +235,7 @@ def respond(
         lambda curves: plots.response_chart(curves, _title(trim)),
     )
     note_nominal_pressure(plan)
+    note_one_sign(plan.wind, plan, "the boundary and its control")
     answer(
         files.as_json,
         lambda: _document(trim, largest, shown),

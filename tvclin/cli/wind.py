@@ -352,6 +352,24 @@ def note_sounding(wind: SoundingWind, case: Case, window: float | None) -> None:
         note_below(f"{part}; --set sounding.window_s takes another length")
 
 
+def note_one_sign(wind: Any, case: Case, what: str) -> None:
+    """Print a note that `what` counts a part of a wind, if that is a sounding of both signs.
+
+    `case`: has vehicle and plane.
+    """
+    if isinstance(wind, SoundingWind) and not wind.history(case.vehicle, case.plane).constant_sign:
+        note_below(
+            f"in {wind.name} only what blows to the side on which it is largest counts for {what}"
+        )
+
+
+def zero_words(case: Case) -> str:
+    """Return where the time of a flight in a sounding is zero, in words; else empty."""
+    if not isinstance(case.wind, SoundingWind):
+        return ""
+    return f", t = 0 at {case.wind.zero(case.vehicle, case.plane):.4g} s of flight"
+
+
 def check_reading(plan: StudyPlan) -> None:
     """Raise `InputError` for keys of [sounding] in a plan without any sounding."""
     if plan.reading != NO_READING and not _has_soundings(plan):

@@ -469,6 +469,10 @@ class VehicleWind(ABC):
     def history(self, vehicle: Any, plane: str) -> History:
         """Return the wind angle of attack [rad] of a vehicle in a plane."""
 
+    def of_one_sign(self, vehicle: Any, plane: str) -> History:
+        """Return the part [rad] of `history` with the sign of its largest angle."""
+        return self.history(vehicle, plane)
+
     def unknown(self, vehicle: Any, plane: str) -> str:
         """Return why parts of the wind of a vehicle in a plane are not known; "" if it is known."""
         return ""
