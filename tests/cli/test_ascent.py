@@ -221,7 +221,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     assert [row[0] for row in document["known"]] == [True, True, False, False, False]
     assert [row[0] is None for row in document["required_deg"]["K = 1"]] == [False] * 2 + [True] * 3
     assert document["verdict"]["sufficient"] is False
-    of_gap = f"{gap}, in a gap of wyoming.txt"
+    of_gap = f"{gap}, in a gap of wyoming.txt (known with more levels)"
     assert json.loads(unasked.stdout)["verdict"]["not_sized"] == [end, of_gap]
     assert (below["verdict"]["sufficient"], below["verdict"]["not_sized"]) == (None, [of_gap])
     assert below["known_times_s"][0][1] == pytest.approx(66.19, abs=0.01)
@@ -230,6 +230,23 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     rows = [line.split() for line in other.output.splitlines() if line.startswith("  wyoming.txt")]
     worst = below["worst_by_wind"]["wyoming.txt"]["K = 1, varying"]
     assert float(rows[0][2]) == pytest.approx(worst["deflection_deg"], abs=0.01)
+
+
+def test_a_gap_of_a_sounding_says_which_flight_times_are_before_it(tmp_path) -> None:
+    """The sounding has no level from 20 to 25 km, and the flight passes 20 km at about 86 s."""
+    levels = [0, *range(1000, 20001, 1000), *range(25000, 46000, 1000)]
+    lines = ["altitude_m,speed_m_per_s,direction_deg", *(f"{level},9,270" for level in levels)]
+    (tmp_path / "gap.csv").write_text("\n".join(lines))
+    given = ("ascent", "configuration-i", "--winds", str(tmp_path / "gap.csv"))
+    given += ("--azimuth-deg", "90", "--limit-deg", "3", "--every", "20")
+    shown = run(*given)
+    words = " ".join(shown.output.split())
+    cure = re.search(r"in a gap of gap.csv \(known with more levels or (--to) ([\d.]+)\)", words)
+
+    assert shown.exit_code == 1
+    assert cure, words
+    assert run(*given, *cure.groups()).exit_code == 0
+    assert run(*given, "--to", str(float(cure[2]) + 0.02)).exit_code == 1
 
 
 @pytest.mark.thorough

@@ -118,6 +118,17 @@ class SoundingGaps:
         """Return the gaps that a flight crosses between two times [s], in words; often empty."""
         return gap_words(self.height[(self.time[:, 0] < last) & (self.time[:, 1] > first)])
 
+    def encountered(self, first: float, last: float, half: float) -> tuple[str, str]:
+        """Return the gaps within `half` a window of flight times, and what makes them known.
+
+        `first`, `last`, `half`: times [s]. Both in words, the first empty without a gap. An earlier
+        last time is a cure where the gaps begin after the first.
+        """
+        begins = self.time[self.time[:, 1] > first - half, 0]
+        until = float(begins.min(initial=np.inf)) - half
+        before = f" or --to {hundredths(until, up=False)}" if until > first else ""
+        return self.between(first - half, last + half), f"known with more levels{before}"
+
     def reason(self, first: float, last: float) -> str:
         """Return why the wind is not known between two times [s], its gaps; empty without any."""
         gaps = self.between(first, last)

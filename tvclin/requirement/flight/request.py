@@ -460,13 +460,10 @@ class SizingRequest:
 
         With a window they are those within half of it.
         """
-        half = 0.5 * (self.window or 0.0)
-        first, last = float(times.min()) - half, float(times.max()) + half
-        gaps = {
-            name: SoundingGaps.of(sounding.profile, self.schedule).between(first, last)
-            for name, sounding in self.soundings.items()
-        }
-        return tuple(f"{gap}, in a gap of {name}" for name, gap in gaps.items() if gap)
+        half, span = 0.5 * (self.window or 0.0), (float(times.min()), float(times.max()))
+        gaps = {k: SoundingGaps.of(x.profile, self.schedule) for k, x in self.soundings.items()}
+        words = {name: found.encountered(*span, half) for name, found in gaps.items()}
+        return tuple(f"{gap}, in a gap of {k} ({cure})" for k, (gap, cure) in words.items() if gap)
 
     def _mode(self, case: Case, sizing: Sizing) -> FlightMode | None:
         """Return the unstable mode of a case over its schedule and the winds of a sizing.
