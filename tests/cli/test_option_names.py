@@ -171,3 +171,10 @@ def test_an_error_about_gains_names_keys_where_the_file_gives_them(
     result = CliRunner().invoke(app, [command, str(file), *options.split()])
     assert result.exit_code == 2
     assert said in " ".join(result.stderr.split())
+
+
+def test_help_of_study_offers_no_sounding() -> None:
+    """A study takes a wind with a direction alone; other commands take a sounding too."""
+    shown = CliRunner().invoke(app, ["study", "--help"]).output
+    assert "wind.direction_deg" in shown
+    assert "sounding" not in shown.partition("--azimuth-deg")[2].partition("--gust")[0]

@@ -47,6 +47,10 @@ _ARCHIVE = (
 class StudyWind(PulseOptions):
     """Options of a pulse with its gust; `grouped` gives them to a command."""
 
+    azimuth_deg: float | None = option(
+        "Direction of flight, in deg from north, clockwise, with wind.direction_deg: the peak is"
+        " then that of the wind's vector."
+    )
     gust: tuple[float, float] | None = option(
         "Gust (1 - cosine) on top of the wind: its peak and duration; more: --set gust.KEY VALUE.",
         metavar="DEG S",
