@@ -75,6 +75,7 @@ _REFUSED: dict[str, tuple[str, ...]] = {
 _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "margins without --limit-deg": ("rate limit", "limit"),
     "margins without a wind": ("gust", "head wind", "heading"),
+    "margins along a flight": ("rate limit", "limit", "gust", "head wind", "heading"),
     "laws of a rigid vehicle": _LAW,
     "laws with a rate in [laws]": ("sample rate",),
     "fly --engine planar": (*_LAW, "rate limit", "sample rate"),
@@ -89,6 +90,10 @@ _OMITTED_BY_OPTIONS: dict[str, tuple[str, ...]] = {
     "ascent without turbulence": tuple(feature for feature in _LOOP if feature != "rate limit"),
 }
 """Features that a question computes, but omits with or without these options."""
+_COMPUTED_WITH_OPTION = dict.fromkeys(
+    ("margins without --limit-deg", "margins without a wind"), "margins --limit-deg"
+)
+"""Command that computes these features, by question that omits them without its option."""
 _LIMITS_OF_WORK = ("torque_limit", "power_limit", "travel_limit", "acceleration_limit")
 _ALL_NUMBERS = "these numbers"
 _RIGID_NUMBERS: dict[str, str] = {
@@ -199,7 +204,14 @@ def omission_notes(case: Case, *questions: str, tables: Collection[str] = ()) ->
     candidates = _OF_SOUNDINGS if measured else _OF_PULSES
     counting: dict[str, list[str]] = {}  # omitted features, by a question that computes them
     for feature in named:
-        if measured and feature in _LOOP:
+        with_option = [
+            command
+            for question, command in _COMPUTED_WITH_OPTION.items()
+            if question in questions and feature in _OMITTED_BY_OPTIONS[question]
+        ]
+        if with_option:
+            question = with_option[0]
+        elif measured and feature in _LOOP:
             question = _LOOP_IN_SOUNDINGS
         else:
             question = next(name for name in candidates if use_of(name, feature) == COMPUTED)

@@ -52,7 +52,7 @@ def print_sweep(source: str, loop: FlightLoop, more: bool, shown: ShownCurves) -
     """
     from tvclin import plots
 
-    note_omissions(loop.plan, "margins", "margins without --limit-deg", "margins without a wind")
+    note_omissions(loop.plan, "margins", "margins along a flight")
     with waiting("margins"):
         swept = loop.sweep()
     # `changes`: of detuned modes; at each flight time the parameters are frozen
