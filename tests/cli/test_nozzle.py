@@ -163,6 +163,8 @@ def test_the_required_rate_of_laws_without_a_forecast_says_whose_it_is() -> None
             (("--over", "loads"), 2, "--over must be one of rate, load"),
             (("--over", "flight", "--at", "60"), 2, "--at needs --over rate or load"),
             (("--over", "flight", "--dead-band", "0.5"), 2, "--dead-band needs --over rate"),
+            (("--over", "flight", "--plot", "x.png"), 2, "load; --csv FILE writes the duty"),
+            (("--help",), 0, "draw the curves of --over rate or"),
             (("--set", "nozzle.travel_limit_deg=1"), 0, "not counted here"),
             (
                 ("--limit-deg", "1", "--law", "trim", "--set", "nozzle.torque_limit_N_m=1e4"),
@@ -186,7 +188,7 @@ def test_the_required_rate_of_laws_without_a_forecast_says_whose_it_is() -> None
                 " the wind even if it stops for good at any instant",
             ),
         ],
-        *(0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 23),
+        *(0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20, 25),
     ),
 )
 def test_the_verdict_and_its_exit_code(options: tuple[str, ...], code: int, words: str) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -36,6 +37,8 @@ from tvclin.cli.options import (
     ShownCurves,
     option,
     switch,
+    to_draw,
+    to_write,
 )
 from tvclin.cli.output import answer, bar, print_answer, print_tables, waiting
 from tvclin.cli.wind import FlightOptions, WindOptions, cut_condition, with_gust_for
@@ -59,6 +62,8 @@ if TYPE_CHECKING:
 RATE, LOAD, FLIGHT = "rate", "load", "flight"
 IN_A_WIND = f"--over {RATE} or {LOAD}"
 """Option of the answers at one flight time."""
+_DRAWN = f"{IN_A_WIND}; --csv FILE writes the duty over a flight, of which there is no figure"
+"""What a figure needs."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,27 @@ class NozzleOptions:
         return [one_of("--law", item, LAWS) for item in self.law or ()]
 
 
+@dataclass(frozen=True)
+class _ShownNozzle(ShownCurves):
+    """Options for showing what a nozzle must do: the duty over a flight has no figure."""
+
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            help=f"Also draw the curves of {IN_A_WIND} into this file (png, pdf, svg).",
+            callback=to_draw,
+        ),
+    ] = None
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            help=f"Also write what --plot draws into this CSV file; with --over {FLIGHT} the duty"
+            " of each flight.",
+            callback=to_write,
+        ),
+    ] = None
+
+
 def nozzle(
     vehicle: Annotated[
         str,
@@ -103,7 +129,7 @@ def nozzle(
     time: At = None,
     options: NozzleOptions = GROUP,
     more: More = False,
-    shown: ShownCurves = GROUP,
+    shown: _ShownNozzle = GROUP,
 ) -> None:
     """Print what a nozzle must do: deflection over its rate or over the load, or duty of a flight.
 
@@ -128,7 +154,8 @@ def nozzle(
     if over != RATE:
         only_with(f"--over {RATE}", laws=options.laws)
     if over == FLIGHT:
-        only_with(IN_A_WIND, at=time, plot=shown.plot)
+        only_with(IN_A_WIND, at=time)
+        only_with(_DRAWN, plot=shown.plot)
         options.dead_band.only_with(IN_A_WIND)
         print_duty(vehicle, options, more, shown)
     else:

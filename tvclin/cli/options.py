@@ -47,7 +47,7 @@ def to_write(option: typer.CallbackParam, file: Path | None) -> Path | None:
     return file
 
 
-def _to_draw(option: typer.CallbackParam, file: Path | None) -> Path | None:
+def to_draw(option: typer.CallbackParam, file: Path | None) -> Path | None:
     """Return the file of a figure; `InputError` if it cannot be written or has no known format."""
     if to_write(option, file) is not None:
         from tvclin.plots.style import figure_format
@@ -81,7 +81,7 @@ Csv = Annotated[
 ]
 Plot = Annotated[
     Path | None,
-    typer.Option(help="Also draw a figure into this file (png, pdf, svg).", callback=_to_draw),
+    typer.Option(help="Also draw a figure into this file (png, pdf, svg).", callback=to_draw),
 ]
 System = Annotated[
     Path | None,
