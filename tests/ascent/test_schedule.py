@@ -132,6 +132,7 @@ def test_a_jet_in_a_row_that_is_wrong_names_the_row(tmp_path) -> None:
         (CSV[CSV.index("70,") :], "", "two or more times; got 1"),
         ("altitude_m", "hight_m", r"line 2: unknown key in the schedule: 'hight_m'"),
         ("altitude_m", "Height (m)", r"line 2: unknown key .*'Height \(m\)'"),
+        ("velocity_m_per_s", "speed [m/s]", r"'speed \[m/s\]'; did you mean velocity_m_per_s or"),
         ("weight_kN", "Weight (stone)", r"Weight \(stone\) has no known unit"),
         ("weight_kN", "Weight (stone)", r"line 2: tvclin import table FILE --columns"),
         ("weight_kN", "Time [s]", r"every column needs a key of its own; got 'time_s'"),
@@ -142,6 +143,19 @@ def test_a_jet_in_a_row_that_is_wrong_names_the_row(tmp_path) -> None:
 def test_a_wrong_line_is_named(tmp_path, old, new, words) -> None:
     with pytest.raises(InputError, match=words):
         read(tmp_path, CSV.replace(old, new, 1), "flight.csv")
+
+
+def test_a_heading_of_a_number_without_a_unit_needs_none(tmp_path) -> None:
+    head = (
+        "time_s,mass_kg,thrust_kN,moment_of_inertia_kg_m2,control_arm_m,aerodynamic_arm_m,"
+        "velocity_m_per_s,attitude_deg,dynamic_pressure_kPa,reference_area_m2,"
+        "normal_force_coefficient_slope_per_rad,axial_force_coefficient\n"
+    )
+    rows = "".join(f"{t},9500,190,1.8e5,8,3,450,60,35,1.131,2.6,0.45\n" for t in (60, 70))
+    key = read(tmp_path, head + rows, "key.csv")
+    for heading in ("Axial force coefficient", "axial force coefficient [-]"):
+        words = head.replace("axial_force_coefficient", heading) + rows
+        assert read(tmp_path, words, "words.csv").at(65.0) == key.at(65.0)
 
 
 def test_all_unknown_and_missing_columns_are_named_at_once(tmp_path) -> None:

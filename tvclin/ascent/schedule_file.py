@@ -320,6 +320,7 @@ def _key_count(headings: Headings) -> float:
 def _keys_of(headings: Headings) -> list[str]:
     """Return the keys of headings: ``weight_kN`` of ``weight_kN`` and of ``Weight [kN]``.
 
+    A number without a unit needs none: ``axial_force_coefficient`` of ``Axial force coefficient``.
     A heading without a key, or with a unit that no key has, keeps its text.
     """
     kinds = _COLUMNS.quantities
@@ -327,8 +328,8 @@ def _keys_of(headings: Headings) -> list[str]:
     keys = []
     for heading in headings:
         name, unit, factor = heading.quantity, heading.unit, None
-        if unit is not None and name in kinds:
-            factor = factor_of(unit, kinds[name])
+        if name in kinds and (unit is not None or name in _COLUMNS.keys):
+            factor = factor_of(unit or "", kinds[name])
         keys.append(heading.text if factor is None else key_of.get((name, factor), heading.text))
     return keys
 

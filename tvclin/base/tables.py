@@ -156,7 +156,7 @@ class FileTable:
         (`fields`) is answered with its key in the file.
         """
         keys, words = self.keys, (*self.words, *self.lists)
-        plain = "_".join(re.findall(r"\w+", key.lower()))
+        plain = "_".join(re.findall(r"\w+", key.lower().replace("/", " per ")))
         fields = [
             self.spelled(k) for k, of in self.fields.items() if f"{plain}_".startswith(f"{of}_")
         ]
