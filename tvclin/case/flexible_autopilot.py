@@ -241,10 +241,12 @@ def _better_gains(case: Case, criteria: Criteria) -> str:
     """
     rule = satisfying_rule(case, criteria)
     if rule is None:
+        structure = case.plant.structure
+        bends = case.plant.has_modes if structure is None else bool(structure.bending)
+        notch = ", and a bending mode may need a notch ([[autopilot.filter]])" if bends else ""
         return (
             f"gains that satisfy the criteria {criteria.name}: neither poles at 1.5 to 6 times the"
-            " unstable one nor lqr; tvclin design --least seeks them, and a bending mode may"
-            " need a notch ([[autopilot.filter]])"
+            f" unstable one nor lqr; tvclin design --least seeks them{notch}"
         )
     if rule.design is not None:
         words = f'--design {rule.design}, or design = "{rule.design}" in [autopilot]'
