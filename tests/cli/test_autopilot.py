@@ -492,6 +492,18 @@ def test_an_actuator_is_called_assumed_until_it_is_specified_even_by_the_same_nu
     assert said not in CliRunner().invoke(app, ["margins", *options]).stdout
 
 
+@pytest.mark.parametrize(("model", "unstable"), [("drift-exact", True), ("fixed-path", False)])
+def test_rules_without_margins_are_named_with_the_reason(model, unstable):
+    """Without a reference of the attitude the flight path diverges, but not a fixed one."""
+    options = ("design", "configuration-i", "--model", model)
+    rules = {rule["rule"]: rule for rule in json.loads(run(*options, "--json").stdout)["rules"]}
+    assert [name for name, rule in rules.items() if not rule["stable"]] == (
+        ["load-minimum"] if unstable else []
+    )
+    said = "no margins, the loop is not stable: load-minimum"
+    assert (said in " ".join(run(*options).stdout.split())) is unstable
+
+
 def test_a_delay_margin_below_half_a_sample_is_told_where_the_criteria_are_met():
     """At 10 Hz; at 100 Hz half a sample is far less."""
     numbers = {"aero_margin_dB": "1", "gain_increase_dB": "1", "phase_margin_deg": "5"}

@@ -12,6 +12,7 @@ import typer
 from tvclin.base.cards import Record
 from tvclin.base.errors import InputError
 from tvclin.base.fields import Field, record_table, spec, specs
+from tvclin.base.lines import listed
 from tvclin.base.quantities import satisfaction
 from tvclin.base.tables import check_known
 from tvclin.case.flexible_autopilot import gain_notes, satisfying_rule
@@ -463,7 +464,9 @@ class _Answer:
         """
         name = self.case.vehicle.name or source
         poles = f"; poles at {self.frequency:.3g} rad/s" if self.frequency else ""
-        caption = f"{name}, {self.case.plant.model}, {self.case.plane}: {self.wind}{poles}"
+        unstable = [row.rule for row in self.results if not row.margins.whole.stable]
+        without = f"; no margins, the loop is not stable: {listed(unstable)}" if unstable else ""
+        caption = f"{name}, {self.case.plant.model}, {self.case.plane}: {self.wind}{poles}{without}"
         rules = record_table(caption, "rule", self.results, *_RULE_COLUMNS)
         tables = (rules,) if self.in_box is None else (self.in_box.worst.table(),)
 
