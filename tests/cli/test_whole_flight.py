@@ -413,7 +413,7 @@ def test_ascent_lists_required_used_and_remaining_deflection_of_the_flown_autopi
     # the bound of a frozen vehicle is none along the flight
     assert "no forecast" not in lost.output.partition("Note")[0]
     assert printed.startswith("Limit 0.310 deg: budget SUFFICIENT, 0.015 deg"), printed
-    assert "remaining; autopilot NOT SURVIVED in 1 of 2 winds; " in printed
+    assert "remaining; autopilot NOT SURVIVED in 1 of 2 flights; " in printed
     assert "flown by the autopilot: NOT SURVIVED" in printed
 
 
@@ -488,7 +488,7 @@ def test_the_page_of_a_study_has_the_autopilot_over_the_flight(folder, tmp_path)
     html = page.read_text(encoding="utf-8")
     section = html[html.index('<section id="loop"') :].partition("</section>")[0]
     assert "Criteria classic: MET at 2 flight times." in section
-    assert "SURVIVED with 5.000 deg in 2 winds" in section
+    assert "SURVIVED with 5.000 deg in 2 flights" in section
     assert section.count("<figure>") == 2
     assert "margins over the flight" in html
     assert "autopilot along the flight" in html

@@ -567,21 +567,20 @@ class FlightsOfLoop:
         return len({outcome.wind for outcome in self.outcomes})
 
     @property
+    def _by_wind(self) -> list[bool | None]:
+        """Whether each wind is survived at every flight time; None if that is not known."""
+        return [*{x.wind: x.survived for x in sorted(self.outcomes, key=_severity)}.values()]
+
+    @property
     def fraction(self) -> Success | None:
         """Fraction of the winds that are survived, with its interval; None for one wind.
 
-        A wind of one shape must be survived at every flight time. What is not known counts as not
-        survived.
+        A wind of one shape must be survived at every flight time. None also if that is not known of
+        a wind, which is then neither survived nor lost.
         """
-        if self.wind_count < _MIN_WINDS:
+        if self.wind_count < _MIN_WINDS or None in self._by_wind:
             return None
-        return success_probability(self._survived_count, self.wind_count)
-
-    @property
-    def _survived_count(self) -> int:
-        """Number of winds that are survived at every flight time."""
-        lost = {outcome.wind for outcome in self.outcomes if not outcome.survived}
-        return self.wind_count - len(lost)
+        return success_probability(self._by_wind.count(True), self.wind_count)
 
     def document(self) -> dict[str, Any]:
         """Return the flights and the largest outputs of the worst, in SI units, for JSON."""
@@ -599,31 +598,40 @@ class FlightsOfLoop:
             "worst": largest,
         }
 
-    @property
-    def _in_winds(self) -> str:
-        """Number of winds with the worst outcome, in words."""
-        outcomes, of_all = self.outcomes, plural(len(self.outcomes), "wind")
-        bad = sum(outcome.survived is self.survived for outcome in outcomes)
-        return f"in {of_all}" if self.survived else f"in {bad} of {of_all}"
+    def _in_flights(self, survived: bool | None) -> str:
+        """Return in how many flights, one for each wind and time, that is the outcome, in words."""
+        flights = len(self.outcomes)
+        of_all = plural(flights, "wind" if flights == self.wind_count else "flight")
+        count = sum(outcome.survived is survived for outcome in self.outcomes)
+        return f"in {of_all}" if self.survived else f"in {count} of {of_all}"
 
     @property
     def outcome(self) -> str:
         """The worst outcome, and in how many winds, in words."""
-        return f"{survival(self.survived)} {self._in_winds}"
+        return f"{survival(self.survived)} {self._in_flights(self.survived)}"
 
     @property
     def verdict(self) -> str:
-        """Verdict on all flights with the limit, the worst, and the fraction that survived."""
-        worst = self.worst_outcome
-        limit = f"{np.degrees(self.limit):.3f} deg"
-        deflection, at = np.degrees(worst.peak_deflection), worst.peak_time
-        why = f", largest deflection {deflection:.3f} deg at {at:.4g} s"
-        if worst.survived is not True:
-            why = f": {worst.label}, {worst.reason}"
-        if self.fraction is not None:
-            survived = f"{self._survived_count} of {self.wind_count} winds survived"
-            why += f"; {survived}, {text(self.fraction.line('survived'))}"
-        return f"{survival(self.survived)} with {limit} {self._in_winds}{why}"
+        """Verdict on all flights, with `reason`."""
+        return f"{survival(self.survived)} {self.reason}"
+
+    @property
+    def reason(self) -> str:
+        """The limit, the worst flight, one that is not known, and the survived winds, in words."""
+        worst = {outcome.survived: outcome for outcome in sorted(self.outcomes, key=_severity)}
+        bad = [
+            f"{self._in_flights(survived)}: {worst[survived].label}, {worst[survived].reason}"
+            for survived in (False, None)
+            if survived in worst
+        ]
+        largest, at = np.degrees(self.worst_outcome.peak_deflection), self.worst_outcome.peak_time
+        good = f"{self._in_flights(True)}, largest deflection {largest:.3f} deg at {at:.4g} s"
+        winds, fraction, not_known = self._by_wind, self.fraction, survival(None)
+        words = f"with {np.degrees(self.limit):.3f} deg {f'; {not_known} '.join(bad) or good}"
+        if len(winds) < _MIN_WINDS:
+            return words
+        share = text(fraction.line("survived")) if fraction else f"{winds.count(None)} {not_known}"
+        return f"{words}; {winds.count(True)} of {len(winds)} winds survived, {share}"
 
     def table(self, rows: int | None = None) -> Table:
         """Return the table by wind: outcome and largest values; by default all winds.

@@ -591,8 +591,7 @@ def _along_flight(findings: Findings) -> Iterator[Question]:
     elif "sweep" in reasons:
         yield Question(_OVER_FLIGHT, None, (reasons["sweep"],))
     if flights is not None:
-        words = flights.verdict.partition(" with ")[2]  # after the outcome, which the answer says
-        yield Question(_ALONG_FLIGHT, flights.survived, (f"flown with {words}",))
+        yield Question(_ALONG_FLIGHT, flights.survived, (flights.reason,))
     elif "flights" in reasons:
         yield Question(_ALONG_FLIGHT, None, (reasons["flights"],))
 
