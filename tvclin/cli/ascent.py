@@ -319,8 +319,6 @@ class _Answer:
         """
         sizing, counted, ratio = self.sizing, self.counted, self.ratio
         print_tables(*further)
-        if marks := tables.marks_line(sizing):
-            say(marks)
         if len(sizing.winds) > 1:
             print_tables(tables.by_wind(sizing, counted))
         if 1 < len(sizing.winds) <= _MAX_WIND_COLUMNS:

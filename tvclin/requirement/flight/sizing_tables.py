@@ -16,7 +16,7 @@ from tvclin.requirement.required_quantity import MINIMUM, Requirement, heading_o
 _MARKS = {
     "1": "beyond the single-pole theory",
     "~": "parameters change during the wind",
-    "+": "beyond the schedule",
+    "+": "the wind extends beyond the schedule",
     "=": "the effect of the sign of a pulse is not known; both signs have the nominal requirement",
     "?": "a wind is not known",
 }
@@ -34,7 +34,7 @@ COLUMNS = (
 """Definitions of the columns of validity, in sentences."""
 
 
-def marks_line(sizing: Sizing) -> str:
+def _marks_line(sizing: Sizing) -> str:
     """Return the meanings of the marks in a table of the worst winds; empty without marks."""
     present = {mark for i in range(sizing.times.size) for mark in _marks(sizing, i)}
     return "; ".join(f"{mark}: {words}" for mark, words in _MARKS.items() if mark in present)
@@ -116,14 +116,15 @@ def time_tables(sizing: Sizing, counted: Requirement, wind: int | None = None) -
 
         `times`: first cells of rows, the flight times. `last`, `more`: heads of the last columns,
         and their cells by row. `shown`: whether a row is in the table. The `suffix` of the
-        `caption` names the `wind`.
+        `caption` names the `wind`; after it stand the meanings of marks.
         """
         head = ("time [s]", *map(_short, names), *last)
         rows_of_cells = zip(times, _required(sizing, names, wind), more, strict=True)
         rows = tuple(
             (time, *needs, *cells) for time, needs, cells in compress(rows_of_cells, shown)
         )
-        return Table(f"{caption} [deg]{suffix}", head, rows)
+        marked = _marks_line(sizing) if wind is None and validity[0] in last else ""
+        return Table("; ".join(filter(None, (f"{caption} [deg]{suffix}", marked))), head, rows)
 
     keys = [significant(f"{_key(i, wind)}.time", time, 6) for i, time in enumerate(sizing.times)]
     # whether each wind is fixed in the flight, with a single number that needs no row
