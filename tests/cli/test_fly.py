@@ -447,6 +447,8 @@ def test_a_part_of_a_sounding_is_said_to_be_one():
     cut = "survives this part of the sounding, cut to 20 s with steps at its ends, with less"
     bound = CliRunner().invoke(app, ["boundary", "configuration-i", *map(str, sounding)]).stdout
     assert cut in " ".join(bound.split())
+    respond = CliRunner().invoke(app, ["respond", "configuration-i", *map(str, sounding)]).stderr
+    assert "may take out: --set sounding.window_s 40 or more" in " ".join(respond.split())
     wide = " ".join(run(*sounding, "--set", "sounding.window_s=60").stderr.split())
     assert "own time count" not in wide
 

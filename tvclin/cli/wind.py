@@ -345,8 +345,8 @@ def note_sounding(wind: SoundingWind, case: Case, window: float | None) -> None:
     if np.any(steps):
         note_below(
             f"{part}, cut with steps of {steps[0]:.3g} and {steps[1]:.3g} deg at the ends, which"
-            f" may change every number: --set sounding.window_s {2.0 * wind.window:g} takes more,"
-            " tvclin ascent the whole sounding"
+            " may change every number and which a longer window may take out: --set"
+            f" sounding.window_s {2.0 * wind.window:g} or more (tvclin ascent: the whole sounding)"
         )
     elif window is None:
         note_below(f"{part}; --set sounding.window_s takes another length")
