@@ -10,6 +10,8 @@ from typer.testing import CliRunner, Result
 import tvclin as tv
 from tests.archives import Balloon, days, jet, write
 from tvclin.cli.app import app
+from tvclin.cli.availability import _verdict
+from tvclin.ensembles.availability.availability_record import Today
 from tvclin.plots import availability_chart, curves_of
 
 
@@ -101,6 +103,22 @@ def test_one_month_is_that_month(station) -> None:
     assert "February" in result.output
     assert "March" not in result.output
     assert "the soundings are of one season" in result.output
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "words"),
+    [
+        (0.384, 0.407, "GO, required at most 0.407 deg"),
+        (0.407, 0.407, "GO, required 0.407 deg"),
+        (0.584, 0.607, "NO GO, required at least 0.584 deg"),
+        (0.484, 0.507, "NOT KNOWN, between 0.484 and 0.507 deg"),
+    ],
+)
+def test_the_number_of_today_is_called_a_bound_where_it_is_one(lower, upper, words) -> None:
+    """The CSV has both bounds of a sounding, so that the same word would name two numbers."""
+    bounds = {"lower": np.radians(lower), "upper": np.radians(upper)}
+    balloon = Today(**bounds, limit=np.radians(0.5), archive_fraction=np.nan, judged=(40, 90))
+    assert _verdict(balloon) == words
 
 
 def test_the_exit_code_of_today_is_go_or_no_go(station, tmp_path) -> None:

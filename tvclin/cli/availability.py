@@ -72,8 +72,8 @@ def availability(
     today: Path | None = option("Also judge this balloon of today: go or no go?", metavar="FILE"),
     as_json: AsJson = False,
     csv: Path | None = option(
-        "Also write what every sounding needs into this file: required_deg (empty where"
-        " --limit-deg is not judged), and its bounds, lower_deg and upper_deg.",
+        "Also write what every sounding needs into this file: its bounds lower_deg and upper_deg,"
+        " and required_deg, the lower of them (empty where --limit-deg is not judged).",
         callback=to_write,
     ),
     plot: Plot = None,
@@ -245,7 +245,8 @@ def _verdict(balloon: Today) -> str:
     """Return the verdict GO, NO GO or NOT KNOWN on a launch, with its requirement in degrees.
 
     `balloon`: verdict on the launch from one balloon. GO shows the upper bound of the required
-    deflection, NO GO the lower one, and the fraction of archived soundings that require less.
+    deflection, "at most", NO GO the lower one, "at least", where these differ, and the fraction of
+    archived soundings that require less.
     NOT KNOWN (`go` is None) shows its reason, or else both bounds.
     """
     if balloon.go is None:
@@ -259,4 +260,6 @@ def _verdict(balloon: Today) -> str:
         if np.isnan(balloon.archive_fraction)
         else f", more than {100 * balloon.archive_fraction:.0f} % of the archive"
     )
-    return f"{'GO' if balloon.go else 'NO GO'}, required {need:.3f} deg{archive_text}"
+    bound = "at most " if balloon.go else "at least "
+    required = f"required {bound if balloon.lower < balloon.upper else ''}{need:.3f} deg"
+    return f"{'GO' if balloon.go else 'NO GO'}, {required}{archive_text}"
