@@ -19,6 +19,7 @@ from tvclin.requirement.flight.request import SoundingRequest
 from tvclin.studyfile.campaign_file import TABLES, differing_vehicle, parse_campaign
 from tvclin.studyfile.parse import parse_study
 from tvclin.studyfile.read import example
+from tvclin.vehicle.vehicle_file import read_vehicle_text
 
 HEAD = {"vehicle": "configuration-i"}
 WIND = {"peak_deg": 5.0, "duration_s": 7.5}
@@ -213,7 +214,14 @@ def test_a_flight_of_the_file_itself_and_of_its_vehicle(tmp_path: Path) -> None:
     assert plan().sizing is None
     file = tmp_path / "none.toml"
     file.write_text(re.sub(r"(?s)# The whole flight.*?(?=# Many)", "", example()))
-    assert "has no flight; add [schedule]" in run("ascent", file).output
+    found = tv.studyfile.load_sizing(file).sizing  # the flight of its vehicle, as with [size]
+    assert found.schedule.at(66.0) == own.at(66.0)
+    for command in (("ascent", file), ("nozzle", file, "--over", "flight", "--to", "50")):
+        assert run(*command).exit_code < 2, command
+    numbers = tmp_path / "numbers.toml"
+    text = read_vehicle_text("configuration-i")[0].replace("[vehicle]", "[study.vehicle]")
+    numbers.write_text(text.partition("[flight]")[0] + "[wind]\npeak_deg = 5\nduration_s = 5\n")
+    assert "has no flight; add [schedule]" in run("ascent", numbers).output
 
 
 def test_a_campaign_file_is_a_study_file() -> None:

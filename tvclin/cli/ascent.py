@@ -97,9 +97,9 @@ _OF_A_RAMP = (
     " with less (tvclin nozzle --law trim flies one)"
 )
 SOURCE = (
-    "A study file with a table named schedule (see: tvclin init --study); or a flight schedule"
-    " (CSV, or TOML with that table alone); or a vehicle whose file has a table named flight: then"
-    " its nominal flight."
+    "A study file, with a table named schedule (see: tvclin init --study) or the flight of its"
+    " vehicle; or a flight schedule (CSV, or TOML with that table alone); or a vehicle whose file"
+    " has a table named flight: then its nominal flight."
 )
 
 

@@ -117,7 +117,8 @@ def load_sizing(
     Parameters
     ----------
     source : str or path
-        A study file with [schedule], or a source of `load_schedule`.
+        A study file, or a source of `load_schedule`. The flight of a study without [schedule] is
+        that of its vehicle.
     soundings : dict of str to SoundingRequest, optional
         Winds over height, added to the winds of a study file. Without any wind the default is a
         triangle of 5 degrees for 7.5 seconds.
@@ -125,7 +126,8 @@ def load_sizing(
     Raises
     ------
     InputError
-        For a study file without [schedule], and as `load_study` and `load_schedule`.
+        For a study file without [schedule] that has the numbers of its vehicle, and as `load_study`
+        and `load_schedule`.
 
     Examples
     --------
@@ -144,12 +146,9 @@ def load_sizing(
         # a vehicle or schedule alone, with keys of --set, or a study of a schedule without a time
         of_flight = _of_a_vehicle(source_tables(source)) or is_flight(source)
         plan = _flight_of_a_vehicle(source, winds) if of_flight else load_study(source)
+        plan = plan if plan.sizing else _over_flight(source)
         sizing = plan.sizing
-        if sizing is None:
-            raise InputError(
-                f"{called(source)} has no flight; add [schedule], see tvclin init --study; at one"
-                " time tvclin study answers for a pulse, tvclin fly for a sounding"
-            )
+        assert sizing is not None
         winds = {**sizing.soundings, **winds}
         return replace(plan, sizing=replace(sizing, soundings=winds))
     flight = load_schedule(source)
@@ -205,6 +204,22 @@ def _flight_of_a_vehicle(
         pulse = replace(plan.wind, gust=None, gust_at=None, gust_speed=None) != DEFAULT_WIND
     plan = replace(plan, sizing=replace(plan.sizing, pulse=pulse, soundings=soundings))
     return plan if flight is None else replace(plan, vehicle=flight.vehicle)
+
+
+def _over_flight(source: str | PathLike[str]) -> StudyPlan:
+    """Return the plan of a study over the flight of its vehicle, as with an empty table [size].
+
+    `source`: name or path of a study without [schedule] and [size]. `InputError` where its vehicle
+    is a table of numbers, which has no flight, and for a vehicle without [flight].
+    """
+    document = source_tables(source)
+    tables = [document.get(table, {}) for table in ("study", "campaign")]
+    if any(isinstance(keys.get("vehicle"), dict) for keys in tables):
+        raise InputError(
+            f"{called(source)} has no flight; add [schedule], see tvclin init --study; at one"
+            " time tvclin study answers for a pulse, tvclin fly for a sounding"
+        )
+    return load_study(EditedSource(str(source), document | {"size": {}}))
 
 
 def is_flight(source: str | PathLike[str]) -> bool:
