@@ -426,13 +426,17 @@ def test_an_autopilot_flies_a_sounding_whole_and_boundaries_name_the_part_that_c
     assert wind.min() < -0.1 * wind.max()
     assert ", t = 0 at 45 s of flight" in lines[0]
     assert "side on which it is largest" not in flown.stderr
-    # peaks without a limit are printed with --more
-    said = "peaks are of the continuous autopilot"
-    assert said not in flown.stdout
-    assert said in run(*autopilot, *sounding, "--more").stdout
+    assert "peaks are of the continuous autopilot" not in flown.stdout  # not printed: with --more
 
-    for command, what in (("boundary", "K < 1"), ("fly", "the report's control")):
-        bound = CliRunner().invoke(app, [command, "configuration-i", *map(str, sounding)])
+    takers = {
+        "boundary": "K < 1",
+        "fly": "the report's control",
+        "respond": "the boundary and its control",
+        "disperse": "a campaign",
+    }
+    for command, what in takers.items():
+        cases = ["--cases", "20"] if command == "disperse" else []
+        bound = CliRunner().invoke(app, [command, "configuration-i", *map(str, sounding), *cases])
         assert bound.exit_code in (0, 1), bound.output
         note = f"in jet.csv only what blows to the side on which it is largest counts for {what}"
         assert note in " ".join(bound.stderr.split())
