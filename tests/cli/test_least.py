@@ -138,7 +138,7 @@ def test_the_keys_of_a_box_carry_their_units():
         (["design", "--box", "thrust=2.4e6..2.6e6"], "write thrust_N or thrust_kN"),
         (["design", "--box", "thrst_kN=1..2"], "did you mean thrust_kN"),
         (["design", "--box", "thrst=1%..2%"], "did you mean thrust"),
-        (["design", "--box", "foo=1..2"], "known are weight_N"),
+        (["design", "--box", "foo=1..2"], "tvclin init --keys lists the known ones"),
         (["design", "--box", "bending_frequency=1%..2%"], "unknown number of --box"),
         (["design", "--box", "gain=1..2", "--box", "gain=1..2"], "twice"),
     ],
