@@ -282,7 +282,8 @@ class NominalFlight:
             speed, _path, altitude = solution(last) if solution.values.size else begin
             raise errors.InputError(
                 f"the nominal flight does not reach t = {end:.6g} s: at {last:.6g} s it is at"
-                f" {altitude:.6g} m with {speed:.6g} m/s; ask for a shorter span"
+                f" {altitude:.6g} m with {speed:.6g} m/s; ask for a shorter span,"
+                " as of a shorter wind or part of a sounding (sounding.window_s)"
             )
         return solution
 
