@@ -283,7 +283,7 @@ def test_laws_are_flown_in_the_winds_asked_for():
 @pytest.mark.thorough
 def test_of_a_wind_that_turns_no_law_without_forecast_is_bounded(tmp_path, monkeypatch):
     """Nothing is flown: the bound, and the chart of the laws, belong to the winds alone."""
-    monkeypatch.setattr("tvclin.design.standard_trials.law_trials", lambda *_, **__: [])
+    monkeypatch.setattr("tvclin.cli.fly.law_trials", lambda *_, **__: [])
     monkeypatch.setattr(
         "tvclin.plots.trade_offs.law_curve", lambda _, __, tau, ___, **____: np.ones_like(tau)
     )

@@ -387,6 +387,7 @@ def test_with_laws_each_has_its_limit_at_each_rate(tmp_path: Path) -> None:
             *("--law", "autopilot", "--limit-deg", "1"),
         ),
         ("fly", "configuration-i", "--law", "autopilot", "--engine", "planar"),
+        ("fly", "configuration-i", "--law", "all", "--wind", "triangular"),
     ],
 )
 def test_flights_of_an_autopilot_say_that_nobody_specified_its_gains(question) -> None:

@@ -15,7 +15,7 @@ from tvclin.ascent.nominal_flight import FlightCondition, load_flight_condition
 from tvclin.base.errors import Faults, one_of
 from tvclin.base.lines import listed, plural
 from tvclin.base.quantities import NOMINAL
-from tvclin.case.flexible_autopilot import with_filters
+from tvclin.case.flexible_autopilot import textbook_notes, with_filters
 from tvclin.cli.flight_cases import REPORT, Compared, Flying, flight_case, fly_nonlinear, worst_of
 from tvclin.cli.fly_autopilot import LINEAR, AutopilotFlight, LinearCase, fly_autopilot, fly_linear
 from tvclin.cli.inputs import FROZEN, case_of, chosen, note_omissions, note_single_time, only_with
@@ -350,10 +350,15 @@ class _Answer:
 
     @property
     def _notes(self) -> tuple[str, ...]:
-        """Notes on a wind that is not known throughout, or beyond linear aerodynamics."""
+        """Notes on a wind that is not known throughout, or beyond linear aerodynamics, and gains.
+
+        The note on gains is that nobody specified those of the autopilot.
+        """
         unknown = self.case.unknown_wind
         notes = (f"survival is not known: {unknown}",) if unknown else ()
-        return notes + linear_notes(self.peak)
+        flown = AUTOPILOT in {trial.law for trial in self.trials}
+        gains = [f"{AUTOPILOT}: {note}" for note in textbook_notes(self.case)] if flown else ()
+        return (*notes, *linear_notes(self.peak), *gains)
 
     @property
     def _verdict(self) -> str:
