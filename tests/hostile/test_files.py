@@ -14,6 +14,19 @@ LONG = "x" * 300
 VEHICLE = template()
 WIND = "[wind]\npeak_deg = 5\nduration_s = 7.5\n"
 STUDY = f'[study]\nvehicle = "configuration-i"\n{WIND}'
+SCHEDULE = """
+[schedule]
+time_s = [1, 2]
+weight_N = 1.5e6
+moment_of_inertia_kg_m2 = 2e7
+thrust_N = 2.5e6
+aerodynamic_arm_m = 9
+control_arm_m = 23
+velocity_m_per_s = 400
+attitude_deg = 60
+normal_force_slope_N_per_rad = 9e5
+axial_force_N = 1e5
+"""
 CAMPAIGN = f'[campaign]\nvehicle = "configuration-i"\ncases = 10\n{WIND}'
 
 
@@ -157,7 +170,7 @@ def test_a_list_where_a_name_belongs_is_one_sentence(tmp_path, command, text) ->
         ("study", VEHICLE.replace('name = "', 'name = "\\n' + "n" * 5000)),
         ("study", f"{STUDY}[laws]\nnames = {['name' * 9] * 500}\n"),
         ("study", f"{STUDY}[nozzle]\nlimit_deg = {[1] * 5000}\n"),
-        ("ascent", "[schedule]\ntime_s = [1, 2]\n" + "k" * 5000 + " = 1\n"),
+        ("ascent", SCHEDULE + "k" * 5000 + " = 1\n"),
         ("ascent", f"schedule = {[1] * 3000}\n"),
     ],
 )
