@@ -12,6 +12,7 @@ import tvclin as tv
 from tests.show.pages import Page
 from tests.turns import usual
 from tvclin.base.lines import text
+from tvclin.base.quantities import NO_LIMIT
 from tvclin.cli.app import app
 from tvclin.studyfile import verdict
 from tvclin.studyfile.findings import Findings, find
@@ -126,7 +127,7 @@ def test_nothing_remains_of_a_limit_where_the_answer_is_not_known(
     if "autopilot" in not_known:
         _, required, _, _, why = rows["autopilot"]
         assert required == ""
-        assert why.startswith("autopilot requirement: no limit that was tried survives, with the")
+        assert why.startswith(f"autopilot requirement: {NO_LIMIT}, with the")
 
 
 def test_too_few_cases_are_no_yes() -> None:

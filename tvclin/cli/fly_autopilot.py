@@ -16,7 +16,14 @@ from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.lines import Row, quantities, significant
 from tvclin.base.lines import degrees as angle
-from tvclin.base.quantities import NOMINAL, REQUIREMENT, satisfaction, sufficiency, survival
+from tvclin.base.quantities import (
+    NO_LIMIT,
+    NOMINAL,
+    REQUIREMENT,
+    satisfaction,
+    sufficiency,
+    survival,
+)
 from tvclin.case.flexible_autopilot import gain_notes, with_filters
 from tvclin.cli.flight_cases import (
     FROZEN_VEHICLE,
@@ -517,7 +524,7 @@ class AutopilotFlight:
             if self.flight is None or reason not in self.flight.verdict:
                 word += f", {reason}"
         elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):
-            uses = f"{degrees(worst.peak_deflection):.3f} deg in one of {worst.duration:.3g} s"
+            uses = f"{degrees(worst.peak_deflection):.3f} deg in a wind of {worst.duration:.3g} s"
             word += f" in this wind; without a limit the autopilot uses {uses}"
         flown = "" if self.flight is None else f"; {self.flight.verdict}"
         return f"limit {limit:g} deg: {word}{flown}"
@@ -534,13 +541,14 @@ class AutopilotFlight:
         if self.requirement is None or self.unknown_reason:
             return f"{sufficiency(None)}: {self.unknown_reason or self.reason}"
         if not isfinite(self.requirement.nominal_deflection):
-            return f"no limit that was tried survives, {NOMINAL}"
+            return f"{NO_LIMIT}, {NOMINAL}"
         nominal = f"{degrees(self.requirement.nominal_deflection):.3f} deg"
         if self.requirement.head is None:
             counted = self._is_measured and self.case.sign is None
             below = counted and not self.requirement.head_counts
             return f"{nominal} {NOMINAL}{', the largest in this wind' if below else ''}"
-        bound = f"{degrees(self.requirement.deflection):.3f} deg"
+        deflection = self.requirement.deflection
+        bound = f"{degrees(deflection):.3f} deg" if isfinite(deflection) else NO_LIMIT
         peak = f"the peak pressure of a {self.direction} wind"
         where = "the largest pressure in this wind" if self._is_measured else peak
         return f"{bound} at {where}, {nominal} at nominal"

@@ -11,6 +11,7 @@ from tvclin.base.lines import Line, degrees, minimum_limit, number, significant,
 from tvclin.base.quantities import (
     BUDGET,
     FORECAST_FREE,
+    NO_LIMIT,
     NOMINAL,
     OF_RAMP,
     REQUIRED,
@@ -462,11 +463,11 @@ def _autopilot(findings: Findings, limit: float) -> Question:
     yes, nominal = requirement.sufficient(limit), requirement.nominal_deflection
     line: Line = (f"{_FLOWN}; ", *free)
     if np.isinf(nominal):
-        line = ("no limit that was tried survives; ", *free)
+        line = (f"{NO_LIMIT}; ", *free)
     elif requirement.head is not None:  # flown at the pressure of the wind's peak, an upper bound
         clause += f", by the bound for a {findings.study.direction} wind"
         at_nominal = degrees("answer.calm", nominal, unit="deg")
-        flown = "no limit that was tried survives" if np.isinf(requirement.deflection) else _FLOWN
+        flown = NO_LIMIT if np.isinf(requirement.deflection) else _FLOWN
         line = (flown, _at_peak(findings), *at_nominal, "; ", *free)
     elif yes is None:
         line = (f"{_NOT_KNOWN_AT_PEAK}; {_FLOWN} at the nominal one; ", *free)
