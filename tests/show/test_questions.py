@@ -277,7 +277,7 @@ def test_samples_and_the_rate_limit_of_the_nozzle_count_in_margins_and_flights()
     assert (
         loop.peak_deflection == before.peak_deflection
     )  # of the continuous autopilot, as a note says
-    assert "all peaks of the continuous one" in " ".join(loop.notes)
+    assert "peaks are of the continuous autopilot" in " ".join(loop.notes)
     law = tv.SaturatedLaw(replace(loop.autopilot, actuator=None, delay=0.0, sample_rate=None))
     flown = {"actuator": tv.Actuator(), "sample_rate": 20.0, "rate_limit": nozzle.rate_limit}
     boundary = tv.closed_loop_boundary(loop.plant, law, result.study.wind, **flown)

@@ -183,6 +183,10 @@ def test_the_same_file_drives_the_study_and_its_gust_has_a_time_only_where_that_
     assert [one["name"] for one in by_file.pop("questions")] == ["wind", "whole flight"]
     assert by_options.pop("questions")[0]["yes"] is by_options.pop("all_answers_yes")
     by_file.pop("all_answers_yes")
+    doubt = "the flight is of configuration-ii, not of the study's vehicle"
+    of_flight = [note for note in by_file["notes"] if note not in by_options["notes"]]
+    assert [note.startswith(doubt) for note in of_flight] == [True]
+    by_file["notes"].remove(of_flight[0])
     assert by_file == by_options
     late = plan(gust={"peak_deg": 1, "duration_s": 2, "peak_time_s": 6.0}).wind
     assert (late.placed_gust.onset, late.placed_gust.end) == (5.0, 7.0)
