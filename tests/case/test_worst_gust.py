@@ -53,6 +53,7 @@ def test_dispersed_winds_have_the_gust_of_the_nominal_one(configuration_i) -> No
     np.testing.assert_array_equal(one.deflection, other.deflection)
 
 
+@pytest.mark.thorough
 def test_the_time_is_that_of_the_pressure_encountered() -> None:
     """No time of an own scan requires more by the error of the search.
 

@@ -232,6 +232,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
     assert float(rows[0][2]) == pytest.approx(worst["deflection_deg"], abs=0.01)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("more", [(), ("--more",)])
 def test_marks_at_the_end_of_rows_are_explained_above_them(more) -> None:
     given = ("ascent", "configuration-i", "--every", "20")
@@ -243,6 +244,7 @@ def test_marks_at_the_end_of_rows_are_explained_above_them(more) -> None:
     assert meaning not in plain
 
 
+@pytest.mark.thorough
 def test_a_gap_of_a_sounding_says_which_flight_times_are_before_it(tmp_path) -> None:
     """The sounding has no level from 20 to 25 km, and the flight passes 20 km at about 86 s."""
     levels = [0, *range(1000, 20001, 1000), *range(25000, 46000, 1000)]

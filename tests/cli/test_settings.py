@@ -361,6 +361,7 @@ SPEEDS = STUDY.replace("peak_deg = 5.0", "peak_speed_m_per_s = 40") + (
 """A study whose wind and gust are speeds, with other angles in each plane."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("option", "key"),
     [
