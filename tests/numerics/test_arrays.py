@@ -5,14 +5,13 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 from scipy.optimize.elementwise import find_root
 
 import tvclin as tv
 from tests.turns import usual
 from tvclin.numerics import polynomials
 from tvclin.numerics.pieces import Pieces, moments
-from tvclin.numerics.searches import first_crossing, last_below_zero, roots_between
+from tvclin.numerics.searches import first_crossing, roots_between
 from tvclin.winds.histories import Piecewise
 
 EPS = np.finfo(float).eps
@@ -218,29 +217,6 @@ def test_roots_in_brackets_are_those_of_scipy_and_the_upper_end_where_nothing_ri
     np.testing.assert_allclose(result[:4], expected, rtol=8 * EPS)
     np.testing.assert_allclose(result[:4], level[:4] ** (1 / power[:4]), rtol=8 * EPS)
     assert result[4] == high[4]
-
-
-@pytest.mark.parametrize("low", [-0.9, -0.05])
-@pytest.mark.parametrize("tolerance", [1e-9, 1e-5])
-def test_a_search_by_secants_ends_just_below_the_root_of_brentq(low, tolerance):
-    calls = []
-
-    def nearly_straight(x):
-        calls.append(x)
-        return 1.05 * x + 0.02 * x**2 - 0.3
-
-    found = last_below_zero(nearly_straight, low, 2.0, tolerance)
-    evaluated = len(calls)
-    root = brentq(nearly_straight, low, 2.0, xtol=1e-14)
-    assert 0.0 <= root - found <= tolerance  # the slope is above one
-    assert nearly_straight(found) <= 0.0
-    assert evaluated <= 7
-
-
-@pytest.mark.parametrize("below", [1.0, 1e-3, 1e-7])
-def test_a_search_by_secants_ends_just_below_a_jump(below):
-    found = last_below_zero(lambda x: -below if x < 0.123 else 1.0, 0.0, 1.0, 1e-9)
-    assert 0.123 - 1e-9 <= found < 0.123
 
 
 def mixed():

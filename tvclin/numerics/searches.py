@@ -76,36 +76,6 @@ def roots_between(low: FloatArray, high: FloatArray, evaluate: Evaluate) -> Floa
     return root
 
 
-def last_below_zero(
-    function: Callable[[float], float], low: float, high: float, tolerance: float
-) -> float:
-    """Return a point whose value is at most zero, within `tolerance` of the root above it.
-
-    `function`: rises through zero between `low` and `high`, and is slow. `tolerance`: of the value,
-    or of the point. By secants within the bracket; each fourth step, and one that
-    a secant leads out of the bracket, halves it.
-    """
-    aim = 0.5 * tolerance  # secants lead to a value of -aim, amid those that end the search
-    below, above = function(low) + aim, function(high) + aim
-    # the two points of the secant, the nearer one last
-    (last, f_last), (point, f) = sorted(
-        ((low, below), (high, above)), key=lambda end: abs(end[1]), reverse=True
-    )
-    steps = 0
-    while below < -aim and high - low > tolerance:
-        steps += 1
-        with np.errstate(all="ignore"):
-            x = float(point - np.float64(f) * (point - last) / (f - f_last))
-        if steps % 4 == 0 or not low < x < high:
-            x = 0.5 * (low + high)
-        last, f_last, point, f = point, f, x, function(x) + aim
-        if f <= aim:
-            low, below = point, f
-        else:
-            high = point
-    return low
-
-
 _MAX_ITERATIONS = 200
 """Iterations of a root: bisection alone takes 55 from a bracket of the size of the root."""
 

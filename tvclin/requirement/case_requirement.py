@@ -16,7 +16,6 @@ from tvclin.boundary.limit_shapes import limit_shape_of
 from tvclin.boundary.open_loop import Reason
 from tvclin.case.case import Case
 from tvclin.linear.plant import Plant
-from tvclin.numerics.searches import last_below_zero
 from tvclin.requirement.nominal_requirement import RequiredDeflection, covers, required_deflection
 from tvclin.requirement.plane_requirement import TwoPlaneRequirement, heading_requirement, rectangle
 from tvclin.vehicle.coefficients import PLANES
@@ -414,9 +413,10 @@ def survived_size(
     The requirement is taken to rise with the factor; the factor returned is survived.
     `required`: required deflection [rad] of the wind itself; `need`: function that returns it of a
     factor. `largest`: factor beyond which nothing is known, at least one; returned where it is
-    survived. `tolerance`: relative, of the requirement or the factor, not below the relative error
-    of the requirement. The root is bracketed from the wind itself, at the logarithm 0, outwards.
+    survived. `tolerance`: of the logarithm of the factor, not below the relative error of the
+    requirement. The root is bracketed from the wind itself, at the logarithm 0, outwards.
     """
+    from scipy.optimize import brentq  # late: it takes 0.3 s to import
 
     @cache
     def excess(x: float) -> float:
@@ -439,4 +439,5 @@ def survived_size(
         end *= 2.0
     if excess(end) < 0.0 < first:  # the largest factor tried is survived
         return float(np.exp(end))
-    return float(np.exp(last_below_zero(excess, min(0.0, end), max(0.0, end), tolerance)))
+    root = brentq(excess, 0.0, end, xtol=tolerance)
+    return float(np.exp(root - tolerance))  # on the side that survives

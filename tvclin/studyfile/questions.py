@@ -566,8 +566,9 @@ def _margins(findings: Findings) -> Question:
     if getattr(findings, field) is None or margins is None:
         return Question("margins", None, (_reason(findings, field),))
     satisfied = bool(findings.criteria.are_satisfied(margins))
-    words, of = "meets" if satisfied else "does not meet", " of the flexible vehicle" * flexible
-    line: Line = (f"the loop{of} {words} the criteria {findings.criteria.name}",)
+    words = "meets" if satisfied else "does not meet"
+    vehicle = " of the flexible vehicle" if flexible else ""
+    line: Line = (f"the loop{vehicle} {words} the criteria {findings.criteria.name}",)
     judged = [j for j in findings.criteria.judge(margins) if np.isfinite(j.surplus)]
     # by the surplus over the criterion, which is infinite for a criterion of zero
     worst = min(

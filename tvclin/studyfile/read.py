@@ -146,7 +146,7 @@ def load_sizing(
         # a vehicle or schedule alone, with keys of --set, or a study of a schedule without a time
         of_flight = _of_a_vehicle(source_tables(source)) or is_flight(source)
         plan = _flight_of_a_vehicle(source, winds) if of_flight else load_study(source)
-        plan = plan if plan.sizing else _over_flight(source)
+        plan = plan if plan.sizing else _plan_over_flight(source)
         sizing = plan.sizing
         assert sizing is not None
         winds = {**sizing.soundings, **winds}
@@ -206,7 +206,7 @@ def _flight_of_a_vehicle(
     return plan if flight is None else replace(plan, vehicle=flight.vehicle)
 
 
-def _over_flight(source: str | PathLike[str]) -> StudyPlan:
+def _plan_over_flight(source: str | PathLike[str]) -> StudyPlan:
     """Return the plan of a study over the flight of its vehicle, as with an empty table [size].
 
     `source`: name or path of a study without [schedule] and [size]. `InputError` where its vehicle

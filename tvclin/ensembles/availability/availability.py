@@ -57,8 +57,8 @@ def availability(
     """Return the fraction of soundings of an archive with which a deflection limit is sufficient.
 
     A flight with varying parameters goes through each sounding; the requirement is for the dead
-    band K = 1, which needs no forecast; it is that of `size` with
-    ``varying=True``, within 2e-4 where the whole wind is known.
+    band K = 1, which needs no forecast; it is that of `size` with ``varying=True``, within a
+    thousandth where the whole wind is known.
 
     Parameters
     ----------
