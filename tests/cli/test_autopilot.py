@@ -202,7 +202,7 @@ def test_a_sufficient_limit_that_a_longer_wind_exceeds_is_said_to_be_exceeded():
         " for a head wind" in said
     )
     yaw = ("fly", *LAW, "--plane", "yaw", "--limit-deg")
-    worst = f"{longer['peak_deflection_deg']:.3f} deg in one of {longer['duration_s']:.3g} s"
+    worst = f"{longer['peak_deflection_deg']:.3f} deg in a wind of {longer['duration_s']:.3g} s"
     said = " ".join(run(*yaw, "0.95").output.split())
     assert f"SUFFICIENT in this wind; without a limit the autopilot uses {worst}" in said
 
