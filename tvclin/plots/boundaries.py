@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -139,12 +139,12 @@ def figure_5(
     columns = []
     for letter, K in zip("abcdefghij", dead_bands, strict=False):
         panel = f"({letter}) K = {K:g}"
-        columns.append(Column("without drift, eq (12)", _row(triangular_limit(x, K)), panel=panel))
+        columns.append(Column("without drift, eq (12)", triangular_limit(x, K), panel=panel))
         for number, vehicle in enumerate(loaded, 1):
             c = Coefficients.from_vehicle(vehicle)
             y = triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)
             label = f"{_short(vehicle, number)}, eq (18)"
-            columns.append(Column(label, _row(y), panel=panel))
+            columns.append(Column(label, y, panel=panel))
     names = ", ".join(_short(vehicle, number) for number, vehicle in enumerate(loaded, 1))
     # the pole is p instead of beta with damping
     abscissa = ABSCISSA.format(next((s for s in symbols if s != "beta"), "beta"))
@@ -257,13 +257,13 @@ def _draw_boundaries(
     """
     x, c = _abscissas(tau_beta), coefficients
     dead_bands = _fractions(dead_bands)
-    columns = [Column("rectangular", _row(rectangular_limit(x, 1.0 if c is None else c.K1)))]
+    columns = [Column("rectangular", rectangular_limit(x, 1.0 if c is None else c.K1))]
     for K in dead_bands:
         if c is None:
             y = triangular_limit(x, K)
         else:
             y = triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)
-        columns.append(Column(f"triangular, K = {K:g}", _row(y)))
+        columns.append(Column(f"triangular, K = {K:g}", y))
     styles: dict[str, Any] = broken_lines([column.label for column in columns[1:]])
     styles["rectangular"] = {"color": INK, "ls": "-", "lw": 2.0}
     what = f"y_BR {_FIXED if c is None else _DRIFT}"
@@ -304,11 +304,6 @@ def _fractions(dead_bands: Sequence[float]) -> list[float]:
     """Return dead bands K as a list; `InputError` for what is no row of numbers from 0 to 1."""
     fractions = errors.within("dead_bands", dead_bands, 0.0, 1.0)
     return errors.one_row("dead_bands", np.atleast_1d(fractions)).tolist()
-
-
-def _row(values: Any) -> FloatArray:
-    """Return values as an array of floats."""
-    return np.asarray(values, dtype=float)
 
 
 def _short(vehicle: Vehicle, number: int) -> str:
@@ -457,11 +452,7 @@ def figure_11(
 ) -> ControlPlot:
     """Draw the report's figure 11: the boundary of configuration II, theoretical and flown.
 
-    Parameters
-    ----------
-    vehicle, dead_bands, **options
-        Vehicle by name; K of each panel; `tau_beta` and `along`, durations of winds times the
-        unstable pole, and `engine` of the flights, see `figure_10`.
+    Same parameters and exceptions as `figure_10`.
     """
     return _figure(11, vehicle, dead_bands, **options)
 
@@ -482,6 +473,8 @@ def _figure(
     that are flown with a frozen vehicle, and with one whose parameters vary along its trajectory.
     `engine`: name of the engine of these flights, None for the usual one.
     """
+    from tvclin.flights.flown_boundary import ENGINES  # late: for the flown figures alone
+
     engine = chosen_engine(engine)
     errors.instance("vehicle", name, str, "what load_vehicle finds it by")
     fractions = _fractions(dead_bands)
@@ -491,10 +484,12 @@ def _figure(
     durations.append(errors.one_row("along", trajectory) if trajectory.size else trajectory.ravel())
     x = np.unique(np.concatenate([_CURVES, *durations]))
     vehicle = load_vehicle(name)
+    # labels by engine: the chosen one, and planar flights for comparison
+    flown = {key: f"flown, {ENGINES[key].words}" for key in dict.fromkeys([engine, "planar"])}
     columns = [
         column
         for letter, K in zip("abcdefghij", fractions, strict=False)  # ten panels at most
-        for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, engine)
+        for column in _panel(f"({letter}) K = {K:g}", name, K, x, durations, flown)
     ]
     c = Coefficients.from_vehicle(vehicle)
     what = f"triangular wind of 1 deg, y_BR; {drift_words(c)}; flown within 0.0015"
@@ -503,7 +498,7 @@ def _figure(
         title=f"Figure {number}. Stability boundary, theoretical and flown\n{vehicle.name or name};"
         " winds of 1 deg, parameters frozen unless flown along the trajectory",
         ordinate=ORDINATE,
-        styles=_styles(engine),
+        styles=_styles(flown.values()),
         limits=dict.fromkeys(curves.panels, (0.0, 1.02)),
     )
     plot = draw(curves, look)
@@ -513,14 +508,20 @@ def _figure(
 
 
 def _panel(
-    panel: str, name: str, K: float, x: FloatArray, durations: Sequence[FloatArray], engine: str
+    panel: str,
+    name: str,
+    K: float,
+    x: FloatArray,
+    durations: Sequence[FloatArray],
+    flown: Mapping[str, str],
 ) -> list[Column]:
     """Return the curves of boundary limits y_BR for one dead band, by equations and by flights.
 
     `panel`: heading. `name`: name of the vehicle. `K`: the dead band. `x`: durations tau beta of
     the curves, ``(n,)``. `durations`: two arrays, flown with a frozen vehicle and with one whose
-    parameters vary along its trajectory, all among `x`; flights are NaN at others. `engine`: name
-    of the engine of flights. The planar engine also flies a frozen vehicle at the second durations.
+    parameters vary along its trajectory, all among `x`; flights are NaN at others. `flown`: label
+    of the flights of each engine with a frozen vehicle: the first at the first durations, planar
+    flights for comparison at the second ones.
     """
     c = Coefficients.from_vehicle(load_vehicle(name))
     limits_of = {
@@ -528,45 +529,26 @@ def _panel(
         _EQUATION_18: np.asarray(triangular_limit_with_drift(x, K, c.pole, c.b1, c.b2)),
     }
     frozen, along = durations
-    for flown_by in _engines(engine):
-        flown_at = frozen if flown_by == engine else along
-        limits = [flown_limit(name, tau_beta, K, engine=flown_by) for tau_beta in flown_at.tolist()]
-        limits_of[_flown(flown_by)] = _at(x, flown_at, limits)
-    for label, (plane, peak) in ALONG.items():  # plane and peak angle [rad] of each wind
-        limits = [
-            flown_limit(name, tau_beta, K, plane=plane, peak=peak, along=True)
-            for tau_beta in along.tolist()
+    flights: list[tuple[str, FloatArray, dict[str, Any]]] = [
+        (label, along if k else frozen, {"engine": engine})
+        for k, (engine, label) in enumerate(flown.items())
+    ]
+    flights += [
+        (label, along, {"plane": plane, "peak": peak, "along": True})
+        for label, (plane, peak) in ALONG.items()
+    ]
+    for label, flown_at, options in flights:
+        limits_of[label] = np.full(x.shape, np.nan)
+        limits_of[label][np.searchsorted(x, flown_at)] = [
+            flown_limit(name, tau_beta, K, **options) for tau_beta in flown_at.tolist()
         ]
-        limits_of[label] = _at(x, along, limits)
     return [Column(label, values, panel=panel) for label, values in limits_of.items()]
 
 
-def _engines(engine: str) -> list[str]:
-    """Return the engines of a figure: the chosen one, and planar flights for comparison."""
-    return list(dict.fromkeys([engine, "planar"]))
-
-
-def _flown(engine: str) -> str:
-    """Return the label of the flights of an engine, by its name in `ENGINES`."""
-    from tvclin.flights.flown_boundary import ENGINES  # late: for the flown figures alone
-
-    return f"flown, {ENGINES[engine].words}"
-
-
-def _at(x: FloatArray, points: FloatArray, values: Sequence[float]) -> FloatArray:
-    """Return a row over the abscissas `x`, ``(n,)``, with `values` at some points, NaN elsewhere.
-
-    `points`: abscissas of the values, which are among `x`.
-    """
-    row = np.full(x.shape, np.nan)
-    row[np.searchsorted(x, points)] = values
-    return row
-
-
-def _styles(engine: str) -> dict[str, Style]:
+def _styles(flown: Iterable[str]) -> dict[str, Style]:
     """Return the line styles of theory and of flights by label.
 
-    `engine`: how flights are simulated, a name in `ENGINES`. Equations are lines; flights are marks
+    `flown`: labels of the flights with a frozen vehicle. Equations are lines; flights are marks
     alone, last those along the trajectory (`ALONG`), with varying parameters.
     """
     styles: dict[str, Style] = {
@@ -574,16 +556,10 @@ def _styles(engine: str) -> dict[str, Style]:
         _EQUATION_18: {"color": INK, "ls": "-", "lw": 2.0},
     }
     points: list[tuple[str, Any, str, float]] = [
-        *zip(map(_flown, _engines(engine)), COLOURS[::4], "ox", (8.0, 6.0), strict=False),
+        *zip(flown, COLOURS[::4], "ox", (8.0, 6.0), strict=False),
         *zip(ALONG, (WARM, WARM, COLOURS[1]), "^vD", (7.0, 7.0, 6.0), strict=True),
     ]
     for label, colour, mark, size in points:
-        styles[label] = {
-            "color": colour,
-            "ls": "",
-            "marker": mark,
-            "ms": size,
-            "mfc": "none",
-            "mew": 1.5,
-        }
+        style = {"color": colour, "ls": "", "marker": mark, "ms": size, "mfc": "none", "mew": 1.5}
+        styles[label] = style
     return styles

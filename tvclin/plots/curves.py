@@ -138,6 +138,11 @@ def row_of(name: str, value: object) -> FloatArray:
     return array if array.dtype == float else array.astype(float)
 
 
+def finite_or_nan(values: FloatArray) -> FloatArray:
+    """Return values with NaN in place of what is not finite, where a curve is interrupted."""
+    return np.where(np.isfinite(values), values, np.nan)
+
+
 def without_rounding(values: FloatArray, size: float = 0.0) -> FloatArray:
     """Return numbers with those that are rounding of the largest one replaced by zero.
 

@@ -128,9 +128,11 @@ def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) ->
 
     `figure`: name of the figure, for messages. `autopilot`, `plant`: an autopilot and its plant, or
     a loop alone, whose vehicle's poles and modes are not known. A plant with modes has margins by
-    band: of its rigid part and of each mode.
-    `InputError` for a batch, and for a loop with a plant.
+    band: of its rigid part and of each mode. Frequencies at which L is infinite or zero are left
+    out. The phase is unwrapped, and whole turns are taken off so that it is within half a turn of
+    -180 deg where L is nearest to -1. `InputError` for a batch, and for a loop with a plant.
     """
+    bands = None
     if isinstance(autopilot, Loop):
         if plant is not None:
             raise InputError(
@@ -141,56 +143,25 @@ def sampled(figure: str, autopilot: Autopilot | Loop, plant: AnyPlant | None) ->
                 f"{figure} draws one loop; got a batch of shape {autopilot.batch} (see Loop.take)"
             )
         delay = f", delay {float(autopilot.delay):.4g} s" if autopilot.delay > 0.0 else ""
-        words = f"loop of order {autopilot.poles.shape[-1]}{delay}"
-        margins, airframe = loop_margins(autopilot), np.zeros(0)  # no poles of a vehicle are known
-        return _samples(autopilot, margins, None, airframe, words=words, order=_PADE_ORDER)
-    instance("autopilot", autopilot, Autopilot, "see design_gains, or a Loop")
-    require_single(figure, autopilot, plant)
-    assert plant is not None
-    loop, words = autopilot.exact_loop(plant), loop_words(autopilot, plant)
-    bands, rigid, order = None, plant, autopilot.pade_order
-    if not plant.is_rigid:
-        bands, rigid = band_margins(loop, *named_modes(plant)), plant.rigid
+        loop, words = autopilot, f"loop of order {autopilot.poles.shape[-1]}{delay}"
+        airframe, order = np.zeros(0), _PADE_ORDER  # no poles of a vehicle are known
+    else:
+        instance("autopilot", autopilot, Autopilot, "see design_gains, or a Loop")
+        require_single(figure, autopilot, plant)
+        assert plant is not None
+        loop, words = autopilot.exact_loop(plant), loop_words(autopilot, plant)
+        if not plant.is_rigid:
+            bands = band_margins(loop, *named_modes(plant))
+        airframe, order = np.asarray(plant.rigid.poles), autopilot.pade_order
     margins = loop_margins(loop) if bands is None else bands.margins
-    return _samples(loop, margins, bands, np.asarray(rigid.poles), words=words, order=order)
-
-
-def _samples(
-    loop: Loop,
-    margins: Margins,
-    bands: BandMargins | None,
-    airframe: AnyArray,
-    *,
-    words: str,
-    order: int,
-) -> LoopSamples:
-    """Return the samples of a loop over frequency, from its margins and bands.
-
-    `bands`: margins by band of a flexible vehicle, else None. `airframe`: poles of the rigid
-    vehicle [1/s]. `words`: description of the loop. `order`: order of the delay's approximation in
-    a root locus. Frequencies at which L is infinite or zero are left out. The phase is unwrapped,
-    and whole turns are taken off so that it is within half a turn of -180 deg where L is nearest to
-    -1.
-    """
-    modes = () if bands is None else bands.modes
-    omega = _frequencies(loop, margins, modes)
+    omega = _frequencies(loop, margins, () if bands is None else bands.modes)
     response = loop.response(omega)
     drawable = np.isfinite(response) & (response != 0.0)
     omega, response = omega[drawable], response[drawable]
     phase = np.degrees(np.unwrap(np.angle(response)))
     nearest = phase[np.argmin(np.abs(1.0 + response))]
     phase = phase - 360.0 * np.round((nearest + 180.0) / 360.0)
-    return LoopSamples(
-        loop,
-        margins,
-        bands,
-        airframe,
-        omega=omega,
-        response=response,
-        phase=phase,
-        words=words,
-        pade_order=order,
-    )
+    return LoopSamples(loop, margins, bands, airframe, omega, response, phase, words, order)
 
 
 def require_single(figure: str, autopilot: Any, plant: Any, **others: Any) -> None:
@@ -286,12 +257,18 @@ def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> F
     """Return frequencies [rad/s] that resolve all crossings and modes of a loop, ``(n,)``, rising.
 
     `margins`, `modes`: margins and modes of the loop, whose frequencies are among them. Others are
-    those of the margins' search, those around lightly damped roots, and `_PER_DECADE` in between;
-    of a sampled loop up to half its rate. Its form has roots in the w plane, bilinear image of z.
+    those of the margins' search, those around lightly damped poles and zeros, `_OFFSETS` times the
+    real part from the imaginary part, and `_PER_DECADE` in between; of a sampled loop up to half
+    its rate. Its form has roots in the w plane, bilinear image of z.
     """
+    roots = (loop.form.open_poles(), loop.form.closed_poles(), loop.form.zeros())
+    root = np.concatenate([row[0].astype(complex) for row in roots])
+    with np.errstate(invalid="ignore"):
+        light = root[(root.imag > 0.0) & (np.abs(root.real) < _LIGHT_DAMPING * root.imag)]
+    around = light.imag[:, np.newaxis] + np.abs(light.real)[:, np.newaxis] * _OFFSETS
     highest = loop.max_frequency()[0, 0]  # half the rate of a sampled loop, else infinite
     (omega,) = grid_frequencies(loop.form, stability(loop.form))  # of one loop
-    omega = np.concatenate([omega, _around_light_roots(loop)])
+    omega = np.concatenate([omega, around.ravel()])
     omega = np.imag(loop.w_to_s(1j * omega[np.newaxis]))[0]
     omega = np.sort(omega[np.isfinite(omega) & (omega > 0.0) & (omega < highest)])
     decades = np.log10(omega[-1] / omega[0])
@@ -299,19 +276,6 @@ def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> F
     marked = np.array([*decisive_frequencies(margins), *map(mode_frequency, modes)])
     frequencies = np.concatenate([omega, even, marked[marked > 0.0]])
     return np.unique(np.minimum(frequencies, highest))
-
-
-def _around_light_roots(loop: Loop) -> FloatArray:
-    """Return frequencies, in the variable of the loop, around lightly damped poles and zeros.
-
-    They are the imaginary part of the root and `_OFFSETS` times its real part around it. The
-    variable is s, or w of a sampled loop, its bilinear image.
-    """
-    poles = (loop.form.open_poles(), loop.form.closed_poles(), loop.form.zeros())
-    roots = np.concatenate([root_set[0].astype(complex) for root_set in poles])
-    with np.errstate(invalid="ignore"):
-        light = roots[(roots.imag > 0.0) & (np.abs(roots.real) < _LIGHT_DAMPING * roots.imag)]
-    return np.ravel(light.imag[:, np.newaxis] + np.abs(light.real)[:, np.newaxis] * _OFFSETS)
 
 
 AERO, GAIN, PHASE = ("s", COLOURS[0]), ("^", WARM), ("o", COLOURS[4])
@@ -352,13 +316,16 @@ def mode_marks(samples: LoopSamples, position: Position) -> list[Mark]:
     shape, colour = MODE
     marks = []
     for mode in samples.modes:
-        frequency = mode_frequency(mode)
+        frequency, stabilised, value = mode_frequency(mode), mode.stabilised, ""
         if not np.isfinite(frequency):
             continue
-        value = _margin_text(mode) if samples.margins.stable else ""
-        words = ", ".join(label for label in (mode.name, value) if label)
-        at = _frequency_text(frequency)
-        entry = f"{mode.name} at {at}: {_stabilisation_text(mode, value)}"
+        margins = {BY_GAIN: (mode.gain_margin_dB, "dB"), BY_PHASE: (mode.phase_margin_deg, "deg")}
+        if samples.margins.stable and stabilised in margins:
+            value = text(margin("", *margins[stabilised]))
+        kind = f"{stabilised}-stabilised" if stabilised in margins else stabilised
+        legend = ["unstable"] if stabilised == UNSTABLE else [kind, value]
+        entry = f"{mode.name} at {_frequency_text(frequency)}: {', '.join(filter(None, legend))}"
+        words = ", ".join(filter(None, (mode.name, value)))
         marks.append(Mark(*position(frequency), words, shape, name=entry, colour=colour))
     return marks
 
@@ -366,21 +333,3 @@ def mode_marks(samples: LoopSamples, position: Position) -> list[Mark]:
 def _frequency_text(frequency: float) -> str:
     """Return a frequency [rad/s] as text."""
     return text(significant("", frequency, unit="rad/s"))
-
-
-def _margin_text(mode: ModeBand) -> str:
-    """Return the margin of a gain- or phase-stabilised mode as text; empty for others."""
-    margins = {BY_GAIN: (mode.gain_margin_dB, "dB"), BY_PHASE: (mode.phase_margin_deg, "deg")}
-    value = margins.get(mode.stabilised)
-    return "" if value is None else text(margin("", *value))
-
-
-def _stabilisation_text(mode: ModeBand, value: str) -> str:
-    """Return the kind of stabilisation of a mode, and its margin as text, for the legend.
-
-    `value`: the margin; empty if the loop has none.
-    """
-    if mode.stabilised == UNSTABLE:
-        return "unstable"
-    by = "-stabilised" if mode.stabilised in (BY_GAIN, BY_PHASE) else ""
-    return ", ".join(word for word in (f"{mode.stabilised}{by}", value) if word)

@@ -14,7 +14,7 @@ from tvclin.control.margins.criteria import Judgement
 from tvclin.control.margins.margins import MARGINS, unit_factor
 from tvclin.flights.closed_loop.flown_margins import CHANGES, FlownMargins
 from tvclin.flights.closed_loop.survival_limit import BoundaryMap
-from tvclin.plots.curves import Column, Curves
+from tvclin.plots.curves import Column, Curves, finite_or_nan
 from tvclin.plots.style import (
     COLOURS,
     INK,
@@ -80,7 +80,7 @@ def sweep_chart(sweep: Sweep, name: str = "") -> ControlPlot:
         unit = unit or "-"
         for judged in sweep.judgements:
             if judged.criterion == limit:
-                values = factor * _finite(np.asarray(judged.value)[order])
+                values = factor * finite_or_nan(np.asarray(judged.value)[order])
                 if np.any(np.isfinite(values)):
                     columns.append(Column(judged.band or _NOMINAL, values, unit, panel))
         detuned = [judged for judged in sweep.detuned_judgements if judged.criterion == limit]
@@ -93,11 +93,6 @@ def sweep_chart(sweep: Sweep, name: str = "") -> ControlPlot:
     return draw(curves, Look(called(name, words), ordinate, styles))
 
 
-def _finite(values: FloatArray) -> FloatArray:
-    """Return values with NaN in place of what is not finite."""
-    return np.where(np.isfinite(values), values, np.nan)
-
-
 def _lowest(judgements: list[Judgement]) -> FloatArray:
     """Return the margin with the smallest surplus at each of n flight times, ``(n,)``.
 
@@ -108,7 +103,7 @@ def _lowest(judgements: list[Judgement]) -> FloatArray:
     values = np.concatenate([np.atleast_2d(judged.value) for judged in judgements])
     surplus = np.concatenate([np.atleast_2d(judged.surplus) for judged in judgements])
     worst = np.argmin(np.where(np.isnan(surplus), -np.inf, surplus), axis=0)
-    return _finite(np.take_along_axis(values, worst[np.newaxis], axis=0)[0])
+    return finite_or_nan(np.take_along_axis(values, worst[np.newaxis], axis=0)[0])
 
 
 _FACTORS, _DELAY = "gain and effectiveness", "delay"
@@ -146,7 +141,7 @@ def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
             values = np.array([getattr(margin, field) for margin in margins])
             shown = values if name == "delay" else 20.0 * np.log10(values)
             label = name.replace("_", " ") + suffix
-            columns.append(Column(label, np.where(np.isinf(shown), np.nan, shown), unit, panel))
+            columns.append(Column(label, finite_or_nan(shown), unit, panel))
             styles[label] = {"color": colour, "ls": ":" if suffix else line, "lw": width}
     curves = Curves(
         "flown-margins",

@@ -337,11 +337,7 @@ def figure_3(dead_band: float = 1.0, **options: Any) -> "ControlPlot":
 def figure_4(dead_band: float = 0.5, **options: Any) -> "ControlPlot":
     """Draw the report's figure 4: attitude without drift, K = 0.5, eq (13).
 
-    Parameters
-    ----------
-    dead_band, **options
-        K; and of `attitude_chart` tau_beta, durations of the winds times the unstable pole beta;
-        factors, limits over the boundary limit; until, the end of the abscissa t/tau; and points.
+    Same parameters as `figure_3`.
     """
     return _without_drift(4, dead_band, options)
 
@@ -376,10 +372,7 @@ def figure_7(
 ) -> "ControlPlot":
     """Draw the report's figure 7: attitude of configuration I with drift, K = 0.5, and flown.
 
-    Parameters
-    ----------
-    vehicle, dead_band, **options
-        One vehicle or its name; K; and the options of `figure_6`: durations, limits and engine.
+    Same parameters as `figure_6`.
     """
     return _with_drift(7, vehicle, dead_band, **options)
 
@@ -389,10 +382,7 @@ def figure_8(
 ) -> "ControlPlot":
     """Draw the report's figure 8: attitude of configuration II with drift, K = 1, and flown.
 
-    Parameters
-    ----------
-    vehicle, dead_band, **options
-        One vehicle or its name; K; and the options of `figure_6`: durations, limits and engine.
+    Same parameters as `figure_6`.
     """
     return _with_drift(8, vehicle, dead_band, **options)
 
@@ -402,10 +392,7 @@ def figure_9(
 ) -> "ControlPlot":
     """Draw the report's figure 9: attitude of configuration II with drift, K = 0.5, and flown.
 
-    Parameters
-    ----------
-    vehicle, dead_band, **options
-        One vehicle or its name; K; and the options of `figure_6`: durations, limits and engine.
+    Same parameters as `figure_6`.
     """
     return _with_drift(9, vehicle, dead_band, **options)
 

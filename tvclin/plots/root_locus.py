@@ -136,29 +136,18 @@ def _mark_poles(
     inside = (size > smallest) & (size <= largest) & (poles.imag >= 0.0)  # one of each pair
     lift = 12 + 14 * (row if smallest >= 0.0 else row % 2)  # the panel of the origin has less room
     for pole, residue in zip(poles[inside], residues[inside], strict=True):
-        _write_residue(axes, pole, residue, lift, colour)
+        numbers = (pole, residue) if pole.imag else (pole.real, residue.real)
+        axes.annotate(
+            "{:.4g}: {:.4g}".format(*numbers),
+            (pole.real, pole.imag),
+            xytext=(0, lift),
+            textcoords="offset points",
+            ha="center",
+            fontsize=9.5,
+            color=colour,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
+        )
     return lines
-
-
-def _write_residue(axes: Axes, pole: complex, residue: complex, lift: int, colour: str) -> None:
-    """Write pole [1/s] and residue next to the mark of a pole, into axes.
-
-    `lift`: distance above the mark [points]. `colour`: colour of the mark.
-    """
-    if pole.imag == 0.0:
-        text = f"{pole.real:.4g}: {residue.real:.4g}"
-    else:
-        text = f"{pole:.4g}: {residue:.4g}"
-    axes.annotate(
-        text,
-        (pole.real, pole.imag),
-        xytext=(0, lift),
-        textcoords="offset points",
-        ha="center",
-        fontsize=9.5,
-        color=colour,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
-    )
 
 
 _STEP_OVER_SIZE, _STEP_OVER_DISTANCE = 0.015, 0.5
@@ -275,9 +264,10 @@ class LocusPoles:
             # step of each pole: to the nearest pole at the factor before
             steps = np.abs(poles[1:, :, np.newaxis] - poles[:-1, np.newaxis, :]).min(axis=-1)
             sizes = np.abs(poles[1:])
+            distances = np.abs(poles[1:, :, np.newaxis] - poles[1:, np.newaxis, :])
+            nearest = np.where(np.eye(sizes.shape[-1]) > 0.0, np.inf, distances).min(axis=-1)
             max_step = np.minimum(
-                _STEP_OVER_SIZE * np.maximum(sizes, min_size),
-                _STEP_OVER_DISTANCE * _pole_distances(poles[1:]),
+                _STEP_OVER_SIZE * np.maximum(sizes, min_size), _STEP_OVER_DISTANCE * nearest
             )
             long = (steps > np.maximum(max_step, _MIN_STEP * min_size)) & (sizes < 2.0 * max_size)
             intervals = np.flatnonzero(np.any(long, axis=-1))
@@ -337,12 +327,6 @@ def _in_s_plane(w: AnyArray, half: float) -> AnyArray:
     z = (1.0 + w * half) / (1.0 - w * half)
     size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))
     return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
-
-
-def _pole_distances(poles: AnyArray) -> FloatArray:
-    """Return the distance of each pole from the nearest other one, ``(..., n)``."""
-    distances = np.abs(poles[..., :, np.newaxis] - poles[..., np.newaxis, :])
-    return np.min(distances + np.where(np.eye(poles.shape[-1]) > 0.0, np.inf, 0.0), axis=-1)
 
 
 _END: dict[str, Any] = {"ls": "", "color": INK, "zorder": 4}

@@ -435,29 +435,23 @@ def write_numbers(*panels: tuple["Axes", Sequence[Mark]]) -> None:
     """
     from tvclin.plots.number_layout import NumberLayout  # late, with matplotlib
 
+    leader = {"arrowstyle": "-", "color": "0.35", "lw": 0.8, "shrinkB": 4.0, "shrinkA": 0.0}
     for axes, marks in panels:
         for mark in marks:
-            if mark.text and mark.inside(axes):
-                _write(axes, mark)
+            if not (mark.text and mark.inside(axes)):
+                continue
+            note = axes.annotate(
+                mark.text,
+                (mark.x, mark.y),
+                xytext=(_OFFSET, _OFFSET),
+                textcoords="offset points",
+                fontsize=9,
+                color=INK,
+                linespacing=1.1,
+                zorder=7,
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+                arrowprops=leader,
+            )
+            note.set_in_layout(False)
     figure: Any = panels[0][0].figure
     figure.set_layout_engine(NumberLayout())
-
-
-def _write(axes: "Axes", mark: Mark) -> None:
-    """Write the number of a mark next to it into axes, with a leader.
-
-    Its place, up and to the right, is a first one: `NumberLayout` moves it.
-    """
-    note = axes.annotate(
-        mark.text,
-        (mark.x, mark.y),
-        xytext=(_OFFSET, _OFFSET),
-        textcoords="offset points",
-        fontsize=9,
-        color=INK,
-        linespacing=1.1,
-        zorder=7,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
-        arrowprops={"arrowstyle": "-", "color": "0.35", "lw": 0.8, "shrinkB": 4.0, "shrinkA": 0.0},
-    )
-    note.set_in_layout(False)

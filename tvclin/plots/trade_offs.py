@@ -26,7 +26,7 @@ from tvclin.design.standard_trials import law_curve
 from tvclin.linear.flexible import AnyPlant, check_plant
 from tvclin.linear.plant import Plant
 from tvclin.nozzle.flown_trade_off import FlownTradeOff
-from tvclin.plots.curves import Column, Curves
+from tvclin.plots.curves import Column, Curves, finite_or_nan
 from tvclin.plots.style import COLOURS, INK, WARM, Look, Style, called, draw, law_styles
 from tvclin.requirement.nominal_requirement import required_deflection
 from tvclin.requirement.study import Study
@@ -80,8 +80,7 @@ def rate_curves(trade_off: RateTradeOff | FlownTradeOff) -> Curves:
         values[_NOZZLE] = np.where(trade_off.rates == trade_off.rate_limit, trade_off.limit, np.nan)
     # NaN in place of infinity, so that the curve has a gap
     columns = [
-        Column(name, np.degrees(_nan_for_infinity(angles)), "deg")
-        for name, angles in values.items()
+        Column(name, np.degrees(finite_or_nan(angles)), "deg") for name, angles in values.items()
     ]
     words, rates = "minimum deflection over the rate limit", np.degrees(trade_off.rates)
     return Curves("rates", words, "rate limit [deg/s]", rates, tuple(columns))
@@ -125,7 +124,7 @@ def load_curves(trade_off: LoadTradeOff, flown: Sequence[FlownLoad] = ()) -> Cur
 
         NaN below the smallest of the latter, and where a limit is infinite.
         """
-        return np.interp(loads, trade_off.loads, _nan_for_infinity(values), left=np.nan)
+        return np.interp(loads, trade_off.loads, finite_or_nan(values), left=np.nan)
 
     values = {WIND_KNOWN: interpolated(trade_off.limits)}
     if trade_off.no_forecast_bounds is not None:
@@ -186,7 +185,7 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     for k, trade_off in enumerate(trade_offs):
         label = f"{plural(len(trade_off.gains), 'gain')}, {_MEANS[trade_off.meaning]}"
         # over trim; NaN in place of infinity, so that the curve has a gap
-        columns.append(Column(label, _nan_for_infinity(trade_off.relative)))
+        columns.append(Column(label, finite_or_nan(trade_off.relative)))
         styles[label] = {"color": COLOURS[k % len(COLOURS)], "lw": 2.0, "marker": "o", "ms": 4.0}
     columns += [
         Column(name, np.full(disk.shape, value)) for name, value in trade_offs[0].limits.items()
@@ -204,11 +203,6 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     )
     plot.axes.flat[0].set_ylim(bottom=0.0)
     return plot
-
-
-def _nan_for_infinity(values: FloatArray) -> FloatArray:
-    """Return the values with NaN instead of infinity, where no deflection is sufficient."""
-    return np.where(np.isinf(values), np.nan, values)
 
 
 TAU_BETA = np.array([1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, 28.0, 40.0])
