@@ -17,7 +17,13 @@ from tvclin.base.lines import Line, number
 from tvclin.case.case import Case
 from tvclin.case.nozzle import USUAL_ACTUATOR
 from tvclin.control.autopilot.autopilot import Autopilot
-from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS, AutopilotDesign
+from tvclin.control.autopilot.design_rules import (
+    GIVEN_GAINS,
+    LEAST_NOZZLE,
+    POLE_PLACEMENT_RULES,
+    RULE_KEYS,
+    AutopilotDesign,
+)
 from tvclin.control.autopilot.detuning import Detuned, detuned
 from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.laws.law import FilteredLaw, Law
@@ -183,6 +189,8 @@ def _percent(change: float) -> str:
 
 _FREQUENCY_RATIOS = (1.5, 2.0, 3.0, 4.0, 6.0)
 """Natural frequencies that are tried, normalised by the unstable pole."""
+_TRIED_RULES = ("poles", "canonical", "half-relief", "drift-minimum", "load-minimum", "lqr")
+"""Rules that are tried, those with fewer sensors first; lqr last, for it loads python-control."""
 
 
 def gain_notes(
@@ -243,42 +251,47 @@ def _better_gains(case: Case, criteria: Criteria) -> str:
     if rule is None:
         structure = case.plant.structure
         bends = case.plant.has_modes if structure is None else bool(structure.bending)
+        searched = case.autopilot_design.design == LEAST_NOZZLE
+        search = "" if searched else "; tvclin design --least seeks them"
         notch = ", and a bending mode may need a notch ([[autopilot.filter]])" if bends else ""
         return (
-            f"gains that satisfy the criteria {criteria.name}: neither poles at 1.5 to 6 times the"
-            f" unstable one nor lqr; tvclin design --least seeks them{notch}"
+            f"no design rule has gains that satisfy the criteria {criteria.name} (poles at 1.5 to 6"
+            f" times the unstable one are tried){search}{notch}"
         )
-    if rule.design is not None:
-        words = f'--design {rule.design}, or design = "{rule.design}" in [autopilot]'
-    else:
-        frequency = f"{rule.natural_frequency:g}"
-        words = (
-            f"--design poles --natural-frequency {frequency}, or in [autopilot] design ="
-            f' "poles" and natural_frequency_rad_per_s = {frequency}'
-        )
-    return f"gains that satisfy the criteria {criteria.name}: {words}, in place of other gains"
+    option, key = f"--design {rule.design}", f'design = "{rule.design}"'
+    if rule.natural_frequency is not None:
+        option += f" --natural-frequency {rule.natural_frequency:g}"
+        key += f" and natural_frequency_rad_per_s = {rule.natural_frequency:g}"
+    alpha = replace(case, design=rule, controller=None).autopilot.alpha_gain
+    sensor = " (they feed back the angle of attack too)" if np.any(alpha) else ""
+    return (
+        f"gains that satisfy the criteria {criteria.name}: {option}, or in [autopilot] {key}, in"
+        f" place of other gains{sensor}"
+    )
 
 
 def satisfying_rule(case: Case, criteria: Criteria) -> AutopilotDesign | None:
     """Return the first design whose gains satisfy the criteria; None if none does.
 
-    The designs are poles at multiples of the unstable pole, and the linear quadratic regulator,
-    with the actuator, delay, filters and sample rate of the case.
+    The designs are those of the rules that need no wind and at most one pole pair, which lies at
+    multiples of the unstable pole or at the natural frequency of the case; with the actuator,
+    delay, filters and sample rate of the case.
     """
     no_gains: Any = dict.fromkeys((*RULE_KEYS, *GIVEN_GAINS))  # None for each
     base = replace(case.autopilot_design, **no_gains)
-    rules = []
+    frequencies = []
     with suppress(InputError):  # a stable vehicle has no such pole
         pole = float(case.plant.rigid.coefficients.pole)
-        rules = [
-            # Two digits, as the note prints them.
-            replace(base, natural_frequency=float(f"{ratio * pole:.2g}"))
-            for ratio in _FREQUENCY_RATIOS
-        ]
-    rules.append(replace(base, design="lqr"))  # last, for it loads python-control
-    for rule in rules:
-        if _satisfies(replace(case, design=rule, controller=None), criteria):
-            return rule
+        # two digits, as the note prints them
+        frequencies = [float(f"{ratio * pole:.2g}") for ratio in _FREQUENCY_RATIOS]
+    if (specified := case.autopilot_design.natural_frequency) is not None:
+        frequencies.append(specified)
+    for name in _TRIED_RULES:
+        placed = frequencies if name in POLE_PLACEMENT_RULES else [None]
+        for frequency in placed:
+            rule = replace(base, design=name, natural_frequency=frequency)
+            if _satisfies(replace(case, design=rule, controller=None), criteria):
+                return rule
     return None
 
 
