@@ -250,7 +250,14 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
         "delay": Slider("delay [ms]", 1e3 * design.delay, 0.0, 200.0, 1.0),
         "sample_rate": Slider("samples [Hz]", design.sample_rate or 0.0, 0.0, 200.0, 1.0),
     }
-    return {field: _with_room(slider) for field, slider in all_sliders.items()}
+    # the start value of the file may lie outside of the usual range
+    return {
+        field: slider._replace(
+            minimum=min(slider.minimum, slider.value),
+            maximum=slider.maximum if slider.value <= slider.maximum else round_up(slider.value),
+        )
+        for field, slider in all_sliders.items()
+    }
 
 
 def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
@@ -276,11 +283,16 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         gust_at=file_wind.gust_at if v["gust_peak"] else None,
         **_speeds(base, vehicle, v),
     )
+    plane = v["plane"]
+    if both_planes:  # the plane whose flight is shown: the file's, or the other without wind in it
+        complete = complete_vehicle(vehicle, "a wind with a direction")
+        peaks = wind.peaks(float(np.asarray(complete.attitude)))
+        plane = base.plane if peaks[base.plane] else next(k for k, peak in peaks.items() if peak)
     plan = replace(
         base,
         vehicle=vehicle if v["structure"] else vehicle.rigid,
         model=v["model"],
-        plane=_shown_plane(base.plane, vehicle, wind) if both_planes else v["plane"],
+        plane=plane,
         wind=wind,
         nozzle=Nozzle(
             limit=v["limit"] * _DEG,
@@ -316,18 +328,6 @@ def _speeds(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, float 
         field: speed if unchanged and v[angle] == start[angle] else None
         for field, (angle, speed) in speeds.items()
     }
-
-
-def _shown_plane(plane: str, vehicle: AnyVehicle, wind: ShapedWind) -> str:
-    """Return the plane whose flight is shown: `plane`, or the other without wind in that.
-
-    `vehicle`: vehicle, whose attitude counts. `wind`: wind with a direction.
-    """
-    complete = complete_vehicle(vehicle, "a wind with a direction")
-    excited = [
-        name for name, peak in wind.peaks(float(np.asarray(complete.attitude))).items() if peak
-    ]
-    return plane if plane in excited else excited[0]
 
 
 def idle_controls(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> dict[str, str]:
@@ -413,12 +413,6 @@ def _fitted(
     step = 10.0 ** (np.floor(np.log10(upper)) - 2.0)
     value = step * round(usual / step) if start_value is None else start_value
     return Slider(label, value, minimum=min_steps * step, maximum=upper, step=step)
-
-
-def _with_room(slider: Slider) -> Slider:
-    """Return a slider whose range includes its start value."""
-    upper = slider.maximum if slider.value <= slider.maximum else round_up(slider.value)
-    return slider._replace(minimum=min(slider.minimum, slider.value), maximum=upper)
 
 
 def _sizes(vehicle: AnyVehicle, plane: str) -> tuple[float, float]:
@@ -531,38 +525,21 @@ def _nozzle(choices: Choices) -> Table:
     )
 
 
-def _added_gains(design: AutopilotDesign) -> Table:
-    """Return the keys of further numbers of a rule and added gains, where not the default.
-
-    `design`: autopilot design that has them. Design, natural frequency and damping, the first three
-    parameters of a rule, are written by `_autopilot`.
-    """
-    specified = parameters(AutopilotDesign)
-    items = [specified[name] for name in (*RULE_PARAMETERS[3:], *ADDED_GAINS)]
-    return {
-        item.document_key: getattr(design, item.name)
-        for item in items
-        if getattr(design, item.name) != item.default
-    }
-
-
 def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
     """Return the tables of a study file for the autopilot of the choices.
 
-    Filters are written as fractions of polynomials, highest power first.
+    Rule and gains are written where they are not the default. Filters are written as fractions of
+    polynomials, highest power first.
     """
-    design = choices.plan.autopilot_design
+    design, specified = choices.plan.autopilot_design, parameters(AutopilotDesign)
+    # design, natural frequency, damping and the gains first
+    names = (*RULE_PARAMETERS[:3], *GIVEN_GAINS, *RULE_PARAMETERS[3:], *ADDED_GAINS)
     table = {
-        "design": design.design,
-        "natural_frequency_rad_per_s": design.natural_frequency,
-        "damping": design.damping,
-        "attitude_gain": design.attitude_gain,
-        "rate_gain_s": design.rate_gain,
-        "alpha_gain": design.alpha_gain,
-        **_added_gains(design),
-        "delay_ms": _short(1e3 * design.delay),
-        "sample_rate_Hz": design.sample_rate,
+        specified[name].document_key: getattr(design, name)
+        for name in names
+        if getattr(design, name) != specified[name].default
     }
+    table |= {"delay_ms": _short(1e3 * design.delay), "sample_rate_Hz": design.sample_rate}
     filters = [
         {
             "kind": "rational",

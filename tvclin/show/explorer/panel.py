@@ -274,7 +274,10 @@ class Panel:
         `_timer`: next step of an answer, which a new choice cancels. `_setting_gains`: whether the
         panel itself moves the controls of the gains.
         """
-        widgets = _widgets()
+        try:
+            import ipywidgets as widgets
+        except ImportError:
+            raise missing("the panel needs ipywidgets", "notebook") from None
         first, plan, named = _opened(source)
         self._base = with_numerical_gains(plan)
         self._vehicles: dict[str, AnyVehicle] = {first: plan.vehicle} | {
@@ -486,15 +489,6 @@ def _controls(widgets: Any, plan: StudyPlan, vehicles: dict[str, AnyVehicle]) ->
             readout_format=f".{max(0, -round(np.floor(np.log10(slider.step))))}f",
         )
     return controls
-
-
-def _widgets() -> Any:
-    """Return the module ipywidgets; `InputError` where it is not installed."""
-    try:
-        import ipywidgets
-    except ImportError:
-        raise missing("the panel needs ipywidgets", "notebook") from None
-    return ipywidgets
 
 
 def _paragraphs(*texts: str, weight: str = "normal") -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin import plots
-from tvclin.base.errors import InputError, missing
+from tvclin.base.errors import InputError, imported
 from tvclin.base.lines import Formula, Line, Number, Table, as_sentence
 from tvclin.case.flexible_autopilot import shift_lines
 from tvclin.control.margins.criteria import band_table, margin_table
@@ -120,8 +120,31 @@ def page_of(
     has no name, such as that of its file.
     """
     environment = _environment()
+    from markupsafe import Markup  # late: with the extra, which the environment needs
+
     findings = find(plan, progress)
-    return _page(findings, environment, findings.study.vehicle.name or name), findings
+    names = _names(findings)
+    sections = environment.get_template("sections.html").render(names)
+    # their text, with formulas as plain text, for the glossary
+    spaced = re.sub(r'<math [^>]*alttext="([^"]*)".*?</math>', r" \1 ", sections)
+    words = Markup(spaced.replace("<", " <")).striptags()
+    assumed, doubtful_notes = assumptions.assumptions(findings), sections.count(_DOUBT)
+    document = {} if findings.plan.document is None else asdict(findings.plan.document)
+    page = environment.get_template("page.html").render(
+        names,
+        document={key: value for key, value in document.items() if value},
+        name=findings.study.vehicle.name or name,
+        sufficient=sufficient(findings),
+        sentence=verdict.sentence(findings),
+        basis=verdict.basis(findings),
+        facts=verdict.facts(findings),
+        assumed=assumed,
+        doubts=assumptions.doubts_counted(assumed, doubtful_notes),
+        sections=sections,
+        headings=_HEADING.findall(sections),
+        glossary=glossary_table(words),
+    )
+    return page, findings
 
 
 def section_html(findings: Findings, name: str) -> str:
@@ -132,31 +155,6 @@ def section_html(findings: Findings, name: str) -> str:
     template = _environment().get_template("sections.html")
     context = template.new_context(_names(findings))
     return "".join(template.blocks[name](context))
-
-
-def _page(findings: Findings, environment: "Environment", name: str) -> str:
-    """Return the page of findings as HTML.
-
-    `environment`: templates of the page. `name`: name of the vehicle in the title.
-    """
-    names = _names(findings)
-    sections = environment.get_template("sections.html").render(names)
-    assumed, doubtful_notes = assumptions.assumptions(findings), sections.count(_DOUBT)
-    document = {} if findings.plan.document is None else asdict(findings.plan.document)
-    return environment.get_template("page.html").render(
-        names,
-        document={key: value for key, value in document.items() if value},
-        name=name,
-        sufficient=sufficient(findings),
-        sentence=verdict.sentence(findings),
-        basis=verdict.basis(findings),
-        facts=verdict.facts(findings),
-        assumed=assumed,
-        doubts=assumptions.doubts_counted(assumed, doubtful_notes),
-        sections=sections,
-        headings=_HEADING.findall(sections),
-        glossary=glossary_table(_words(sections)),
-    )
 
 
 def _names(findings: Findings) -> dict[str, Any]:
@@ -172,14 +170,6 @@ def _names(findings: Findings) -> dict[str, Any]:
     return {"findings": findings, "study": study, "plan": plan, "origin": origin}
 
 
-def _words(sections: str) -> str:
-    """Return the text of sections in HTML, with formulas as plain text, for the glossary."""
-    from markupsafe import Markup
-
-    spaced = re.sub(r'<math [^>]*alttext="([^"]*)".*?</math>', r" \1 ", sections)
-    return Markup(spaced.replace("<", " <")).striptags()
-
-
 def _plane_vectors(study: Study) -> "ControlPlot | None":
     """Return the figure of a study's deflections in both planes; None with complex poles."""
     try:
@@ -190,12 +180,8 @@ def _plane_vectors(study: Study) -> "ControlPlot | None":
 
 def _environment() -> "Environment":
     """Return the environment of the templates; `InputError` without jinja2 or latex2mathml."""
-    try:
-        import jinja2  # noqa: F401
-        import latex2mathml  # noqa: F401
-    except ImportError as error:
-        name = (error.name or "jinja2").partition(".")[0]
-        raise missing(f"the page needs {name}", "report") from None
+    for package in ("jinja2", "latex2mathml"):
+        imported(package, f"the page needs {package}", "report")
     return _templates()
 
 
