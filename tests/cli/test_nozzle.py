@@ -17,6 +17,7 @@ from tvclin.nozzle.duty_over_flight import FlownDuty
 from tvclin.studyfile.findings import find
 from tvclin.studyfile.questions import questions
 from tvclin.studyfile.verdict import sentence
+from tvclin.vehicle.vehicle import at_pressure
 
 SOUNDING = str(Path(__file__).parents[1] / "soundings" / "wyoming.txt")
 
@@ -95,18 +96,47 @@ def test_the_required_rate_is_stated_at_the_limit_or_the_required_deflection() -
         assert f"{stated['required_rate_deg_per_s']:.3f}" in first
 
 
-@pytest.mark.thorough
-def test_the_required_rate_of_an_autopilot_is_that_of_the_library() -> None:
-    given = ("--law", "autopilot", "--limit-deg", "0.8")
-    case = tv.Case(
-        vehicle=tv.load_vehicle("configuration-i"), nozzle=tv.Nozzle(limit=np.radians(0.8))
+def test_the_required_rate_of_an_autopilot_is_that_of_the_library_at_both_pressures() -> None:
+    """The larger pressure is that of the wind triangle at the peak of the head wind, by hand."""
+    nominal = tv.load_vehicle("configuration-i")
+    peak, path = np.radians(5.0), float(nominal.attitude)
+    along = np.sin(peak) / np.sin(path - peak)  # speed of the wind over that of the vehicle
+    denser = at_pressure(nominal, (np.cos(path) + along) ** 2 + np.sin(path) ** 2)
+    limit = tv.Nozzle(limit=np.radians(1.2))
+    law = tv.SaturatedLaw.of(tv.Case(vehicle=nominal, nozzle=limit).autopilot)
+    at_nominal, at_peak = (
+        np.degrees(tv.nozzle.flown_required_rate(tv.Case(vehicle=x, nozzle=limit), law))
+        for x in (nominal, denser)
     )
-    law = tv.SaturatedLaw.of(case.autopilot)
-    rate = float(np.degrees(tv.nozzle.flown_required_rate(case, law)))
+    given = ("--law", "autopilot", "--limit-deg", "1.2")
     answer = json.loads(run(*given, "--json").stdout)
-    assert answer["autopilot_required_rate_deg_per_s"] == pytest.approx(rate, rel=1e-12)
-    words = f"required rate of the autopilot, flown, with the limit {rate:.3f} deg/s"
-    assert words in run(*given).output
+    # steps of 0.02 percent of the rate
+    assert answer["autopilot_required_rate_deg_per_s"] == pytest.approx(at_peak, rel=2e-4)
+    assert answer["autopilot_required_rate_nominal_deg_per_s"] == pytest.approx(at_nominal)
+    printed = " ".join(run(*given).output.split())
+    assert f"the limit at the largest pressure in this wind {at_peak:.3f} deg/s" in printed
+    assert f"the limit at nominal dynamic pressure {at_nominal:.3f} deg/s" in printed
+
+
+@pytest.mark.parametrize(("limit", "verdict"), [("0.65", False), ("0.8", None), ("1.1", True)])
+def test_the_verdict_on_an_autopilot_is_that_of_fly(limit: str, verdict: bool | None) -> None:
+    """At nominal dynamic pressure 0.69 deg survives, at that of the head wind's peak 1 deg."""
+    given = ("--law", "autopilot", "--limit-deg", limit, "--json")
+    given += ("--set", "nozzle.rate_limit_deg_per_s=0.5")
+    flown = CliRunner().invoke(app, ["fly", "--wind", "triangular", *given])
+    duty = run(*given)
+    assert json.loads(flown.stdout)["sufficient"] is verdict
+    assert json.loads(duty.stdout)["flown"][0]["verdict"]["satisfied"] is verdict
+    assert duty.exit_code == flown.exit_code == (0 if verdict else 1)
+    frozen = json.loads(run(*given, "--set", "study.sign=frozen").stdout)["flown"][0]["verdict"]
+    assert frozen["satisfied"] is (verdict is not False)
+
+
+def test_a_law_that_trims_the_nominal_wind_alone_is_not_met() -> None:
+    """0.38 deg is between 0.351 deg at nominal pressure and the required deflection, 0.412 deg."""
+    answer = run("--law", "trim", "--limit-deg", "0.38", "--rate-limit-deg", "2")
+    assert answer.exit_code == 1
+    assert answer.stdout.startswith("Trim flown: NOT KNOWN: with the largest dynamic pressure")
 
 
 def test_the_required_rate_of_laws_without_a_forecast_says_whose_it_is() -> None:

@@ -1,6 +1,7 @@
 """`tvclin nozzle`: limits over rate or load in a wind, and the duty of the nozzle over a flight."""
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -47,6 +48,7 @@ from tvclin.design.gain_designs import specified_autopilot
 from tvclin.nozzle.data_sheet import FlightDuty
 from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
+from tvclin.requirement.autopilot_requirement import at_largest_pressure
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.studyfile.read import is_flight
@@ -133,10 +135,13 @@ def nozzle(
 ) -> None:
     """Print what a nozzle must do: deflection over its rate or over the load, or duty of a flight.
 
-    Over rate or load it is at nominal dynamic pressure: a limit below the lower bound is never
+    Over rate or load bounds are at nominal dynamic pressure: a limit below the lower bound is never
     sufficient; of one above it tvclin study is the verdict. With a dead band below 1, which has a
     forecast of the wind, a limit below the required deflection is not sufficient either, and the
     bound without a forecast does not count.
+
+    Over rate a law is flown a second time, with the largest dynamic pressure in the wind
+    throughout, where that counts: limits sufficient at the nominal one alone are NOT KNOWN.
 
     --law autopilot with --limit-deg also prints the smallest rate limit from which on the autopilot
     survives them all, flown with samples, delay, actuator, filters and bending.
@@ -295,15 +300,16 @@ def over_rate(
 
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
     with waiting("flying"):
-        flown = [FlownDuty.of(case, name, limited_law(case, name)) for name in names]
-        autopilot_rate = _autopilot_rate(case, names)
+        denser, counts = at_largest_pressure(case, required) if names else (None, False)
+        flown = [_flown_duty(case, name, denser, counts) for name in names]
+        autopilot_rates = _autopilot_rates(case, names, denser, counts)
     with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
         theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
     laws = _flown_limits(case) if every_law else None  # limit of each law over the rate limit
     drawn = laws or trade_off
     first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
-    rates = _RequiredRates(theory, autopilot_rate, REQUIRED if limit is None else "limit")
+    rates = _RequiredRates(theory, autopilot_rates, REQUIRED if limit is None else "limit")
     further += [table for duty in flown for table in duty.tables()]
     judged = _judged(case, trade_off, required)  # empty where the limit may be sufficient
     limited = limit is not None or rate_limit is not None
@@ -323,15 +329,42 @@ def over_rate(
     )
 
 
-def _autopilot_rate(case: StudyPlan, names: list[str]) -> float | None:
-    """Return the smallest rate limit [rad/s] with which a case's autopilot survives.
+def _flown_duty(case: StudyPlan, name: str, denser: StudyPlan | None, counts: bool) -> FlownDuty:
+    """Return the duty of a law, by `name`, whose verdict counts the pressure in the wind.
 
-    None where the autopilot is not among the laws, by their `names`, beyond linear aerodynamics,
-    and in a wind that is not known throughout.
+    `denser`: the case at the largest dynamic pressure in its wind, None where that is not known, or
+    does not count (`counts`). An autopilot keeps its gains there, other laws are designed for it.
+    """
+    duty, at_largest = FlownDuty.of(case, name, limited_law(case, name)), None
+    if not counts:
+        return duty
+    if denser is not None:
+        with suppress(InputError):  # a plant or law that is not defined at that pressure
+            law = limited_law(case if name == AUTOPILOT else denser, name)
+            at_largest = FlownDuty.of(denser, name, law)
+    return duty.bounded_by(at_largest)
+
+
+def _autopilot_rates(
+    case: StudyPlan, names: list[str], denser: StudyPlan | None, counts: bool
+) -> tuple[float, float] | None:
+    """Return the smallest rate limits [rad/s] with which a case's autopilot survives.
+
+    At the largest dynamic pressure in the wind (`denser`, as in `_flown_duty`), NaN where that is
+    not known, and at the nominal one; where the former does not count (`counts`), both are the
+    latter. None where the autopilot is not among the laws, by their `names`, beyond linear
+    aerodynamics, and in a wind that is not known throughout.
     """
     if AUTOPILOT not in names or beyond_linear(float(case.history.peak)) or case.unknown_wind:
         return None
-    return flown_required_rate(case, limited_law(case, AUTOPILOT))
+    law = limited_law(case, AUTOPILOT)
+    nominal, at_largest = flown_required_rate(case, law), np.nan
+    if not counts:
+        return nominal, nominal
+    if denser is not None:
+        with suppress(InputError):  # a plant that is not defined at that pressure
+            at_largest = flown_required_rate(denser, law)
+    return at_largest, nominal
 
 
 def _judged(case: StudyPlan, trade_off: RateTradeOff, required: CaseRequirement | None) -> str:
@@ -384,13 +417,13 @@ def _rate_trade_off(
 class _RequiredRates:
     """Required rates of the theory and of the autopilot, flown, as the command prints them.
 
-    `theory`: trade-off with its rate at the limit, None without one. `autopilot`: required rate of
-    the autopilot [rad/s] with the limit; None where it is not flown. `at`: limit or required
-    deflection, in words.
+    `theory`: trade-off with its rate at the limit, None without one. `autopilot`: required rates of
+    the autopilot [rad/s] with the limit, at the largest dynamic pressure in the wind and at the
+    nominal one; None where it is not flown. `at`: limit or required deflection, in words.
     """
 
     theory: RateTradeOff | None
-    autopilot: float | None
+    autopilot: tuple[float, float] | None
     at: str
 
     @property
@@ -400,7 +433,9 @@ class _RequiredRates:
         if self.theory is not None:
             rates["required_rate"] = document(self.theory, "limit", "required_rate")
         if self.autopilot is not None:
-            rates["autopilot_required_rate_deg_per_s"] = float(np.degrees(self.autopilot))
+            keys = ("autopilot_required_rate", "autopilot_required_rate_nominal")
+            of_keys = zip(keys, np.degrees(self.autopilot).tolist(), strict=True)
+            rates |= {f"{key}_deg_per_s": rate for key, rate in of_keys}
         return rates
 
     @property
@@ -411,7 +446,13 @@ class _RequiredRates:
         """
         texts = []
         if self.autopilot is not None:
-            texts.append(_rate_text(self.autopilot, self.at, f"the {AUTOPILOT}, flown,"))
+            at_largest, nominal = self.autopilot
+            flown, of_both = f"the {AUTOPILOT}, flown,", at_largest == nominal
+            if not of_both and not np.isnan(at_largest):
+                at = f"{self.at} at the largest pressure in this wind"
+                texts.append(_rate_text(at_largest, at, flown))
+            at = self.at if of_both else f"{self.at} {NOMINAL}"
+            texts.append(_rate_text(nominal, at, flown))
         if (theory := self.theory) is not None:
             bound = _rate_text(theory.required_rate, self.at, theory.bounded_laws, "at least ")
             texts.append(bound)

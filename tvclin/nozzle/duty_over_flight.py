@@ -122,6 +122,21 @@ class FlownDuty(Shown):
             verdict=verdict,
         )
 
+    def bounded_by(self, at_largest: Self | None) -> Self:
+        """Return the duty with a verdict that also counts the largest dynamic pressure in the wind.
+
+        `at_largest`: duty of the same law at that pressure throughout, an upper bound of what the
+        flight encounters; None where it is not known. Limits that are not sufficient stay so, and
+        those that are sufficient for this flight alone are not known to be.
+        """
+        if at_largest is not None and at_largest.verdict.satisfied:
+            return self
+        reason = "the dynamic pressure in this wind is not known"
+        if at_largest is not None:
+            words = at_largest.verdict.words
+            reason = f"with the largest dynamic pressure in this wind throughout, a bound, {words}"
+        return replace(self, verdict=replace(self.verdict, unknown=(reason,)))
+
     @property
     def survived(self) -> bool:
         """Whether the flight is survived."""

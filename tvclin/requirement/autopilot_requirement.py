@@ -92,30 +92,8 @@ def autopilot_requirement(
     cannot be flown, in the same cases as `closed_loop_boundary`.
     """
     nominal = autopilot_boundary(case, plant, autopilot)
-    if need is None and not isinstance(case.wind, ShapedWind):
-        head, head_counts = _measured_boundary(case, autopilot)
-    elif need is None:
-        head, head_counts = None, False
-    else:
-        head, head_counts = head_wind_boundary(case, autopilot, need), counts_head(need)
+    head, head_counts = head_wind_boundary(case, autopilot, need)
     return AutopilotRequirement(nominal=nominal, head=head, head_counts=head_counts)
-
-
-def _measured_boundary(case: Case, autopilot: Autopilot) -> tuple[ClosedLoopBoundary | None, bool]:
-    """Return the boundary of an autopilot at the largest pressure of a measured wind, if it counts.
-
-    The second result says whether it counts: whether the pressure in the wind of `case` is above
-    the nominal one, or not known. The boundary is None where it does not, and where it is unknown.
-    """
-    from tvclin.requirement.encountered_requirement import largest_measured_pressure  # late
-
-    with suppress(InputError):  # the dynamic pressure in the wind is not known
-        ratio = largest_measured_pressure(case)  # over the nominal pressure
-        if ratio <= 1.0:
-            return None, False
-        denser = replace(case, vehicle=at_pressure(_complete_vehicle(case), ratio))
-        return autopilot_boundary(denser, denser.plant, autopilot), True
-    return None, True
 
 
 def counts_head(need: CaseRequirement) -> bool:
@@ -124,19 +102,43 @@ def counts_head(need: CaseRequirement) -> bool:
 
 
 def head_wind_boundary(
-    case: Case, autopilot: Autopilot, need: CaseRequirement, plane_ratio: float = 1.0
-) -> ClosedLoopBoundary | None:
-    """Return the boundary of an autopilot, flown at the dynamic pressure of a head wind's peak.
+    case: Case, autopilot: Autopilot, need: CaseRequirement | None, plane_ratio: float = 1.0
+) -> tuple[ClosedLoopBoundary | None, bool]:
+    """Return the boundary of an autopilot at the pressure in the wind, and whether that counts.
 
-    None where a head wind does not set the requirement `need` of the wind of `case`, and where the
-    dynamic pressure is not known. `plane_ratio`: limit of both planes over the limit of this plane.
+    See `at_largest_pressure`. None where the pressure does not count, or is not known.
+    `plane_ratio`: limit of both planes over the limit of this plane.
     """
-    if not counts_head(need):
-        return None
+    denser, counts = at_largest_pressure(case, need)
+    if denser is not None:
+        with suppress(InputError):  # a plant that is not defined at that pressure
+            return autopilot_boundary(denser, denser.plant, autopilot, plane_ratio), counts
+    return None, counts
+
+
+def at_largest_pressure(case: AnyCase, need: CaseRequirement | None) -> tuple[AnyCase | None, bool]:
+    """Return a case at the largest dynamic pressure in its wind, and whether that pressure counts.
+
+    It is constant throughout, an upper bound of what a flight encounters. It counts where a head
+    wind sets the requirement `need`, where a measured wind, of which `need` is None, raises the
+    pressure above the nominal one, and where either is not known. The case is None where the
+    pressure does not count, and where it is not known.
+    """
+    if need is None and isinstance(case.wind, ShapedWind):
+        return None, False
+    if need is not None and not counts_head(need):
+        return None, False
     with suppress(InputError):  # the dynamic pressure in the wind is not known
-        denser = at_peak_pressure(case, need)
-        return autopilot_boundary(denser, denser.plant, autopilot, plane_ratio)
-    return None
+        if need is not None:
+            return at_peak_pressure(case, need), True
+
+        from tvclin.requirement.encountered_requirement import largest_measured_pressure  # late
+
+        ratio = largest_measured_pressure(case)  # over the nominal pressure
+        if ratio <= 1.0:
+            return None, False
+        return replace(case, vehicle=at_pressure(_complete_vehicle(case), ratio)), True
+    return None, True
 
 
 def autopilot_boundary(

@@ -440,7 +440,9 @@ def _in_a_head_wind(
 
     if not study.ratio_to_nominal > 1.0:  # NaN in a wind beyond linear aerodynamics
         return None
-    stop = head_wind_boundary(plan, flying.autopilot, study, study.plane_ratio) if flying else None
+    stop = None
+    if flying is not None:
+        stop, _ = head_wind_boundary(plan, flying.autopilot, study, study.plane_ratio)
     rates = loads = turbulence = None
     with suppress(InputError):
         denser = _with_load_of(at_peak_pressure(plan, study), plan)  # at the higher pressure
