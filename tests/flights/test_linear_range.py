@@ -7,9 +7,8 @@ import pytest
 
 import tvclin as tv
 from tvclin.flights.closed_loop.batch import Batch, Hardware, flights, one_flight
-from tvclin.flights.closed_loop.fly_many import _continuation
+from tvclin.flights.closed_loop.fly_many import _continuation, _overshoots, remain_linear
 from tvclin.flights.closed_loop.law_batch import law_batch
-from tvclin.flights.closed_loop.linear_range import _overshoots, remain_linear
 from tvclin.flights.closed_loop.sampled import finish
 from tvclin.flights.closed_loop.sampled_stability import linear_gain_margins
 

@@ -6,7 +6,7 @@ import pytest
 import tvclin as tv
 from tests.turns import usual
 from tvclin import Actuator, Autopilot, Coefficients, Plant
-from tvclin.flights.closed_loop import linear_range
+from tvclin.flights.closed_loop import fly_many
 from tvclin.flights.closed_loop.outcomes import outcome_criteria
 from tvclin.kernels import choice, flights
 from tvclin.kernels.choice import available, pinned
@@ -136,9 +136,9 @@ def test_a_case_does_not_depend_on_its_batch(name, options, compiled):
 
 def test_arrays_have_one_layout_whatever_the_wind(monkeypatch):
     """Of another layout the kernel would be compiled once more, for half a minute."""
-    made, flights = [], linear_range.flights
+    made, flights = [], fly_many.flights
     monkeypatch.setattr(
-        linear_range,
+        fly_many,
         "flights",
         lambda *given, **request: made.append(flights(*given, **request)) or made[-1],
     )
@@ -230,7 +230,7 @@ def test_polynomial_pieces_are_the_wind(wind):
 
 
 def test_flights_of_all_shapes_are_one_kind_of_arrays_so_that_they_are_compiled_once(monkeypatch):
-    kinds, made = set(), linear_range.flights
+    kinds, made = set(), fly_many.flights
 
     def noted(*arguments, **options):
         f = made(*arguments, **options)
@@ -238,7 +238,7 @@ def test_flights_of_all_shapes_are_one_kind_of_arrays_so_that_they_are_compiled_
         kinds.add(tuple((a.dtype, a.ndim, a.flags.carray) for a in arrays))
         return f
 
-    monkeypatch.setattr(linear_range, "flights", noted)
+    monkeypatch.setattr(fly_many, "flights", noted)
     one = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"), "fixed-path")
     many = tv.Plant(tv.Coefficients.from_beta(beta=np.array([0.5, 0.4]), B=0.1), "fixed-path")
     law = tv.SaturatedLaw(tv.Autopilot(attitude_gain=0.3, rate_gain=0.5))

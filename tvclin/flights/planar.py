@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.ascent.nominal_flight import FlightCondition, NominalFlight, nominal_flight
+from tvclin.ascent.nominal_flight import FlightCondition, NominalFlight, nominal_flight, time_of
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, ending, flag, instance, one_of, single, times_row
 from tvclin.control.autopilot.actuator import Actuator
@@ -409,9 +409,9 @@ def planar_case(
     ending("wind", wind.end)
     nominal = None
     if condition is not None:
-        vehicle_time = 0.0 if vehicle.time is None else float(vehicle.time)
         # 1 ms more: the last time is within the nominal flight in spite of rounding
-        first, last = min(span[0], vehicle_time), max(span[1], vehicle_time) + 1e-3
+        reference = time_of(vehicle)
+        first, last = min(span[0], reference), max(span[1], reference) + 1e-3
         nominal = nominal_flight(vehicle, condition, start=first, stop=last)
     motion = PlanarMotion(vehicle, plane=plane, drift=flag("drift", drift), nominal=nominal)
     return PlanarCase(motion, wind, span)

@@ -47,19 +47,6 @@ SUBSTEPS = 8.0
 """Substeps in the time 1/omega, where samples are further apart."""
 
 
-def rate_per_distance(actuator: Actuator | None) -> FloatArray:
-    """Return the ratio [1/s] of an actuator's rate to its distance from the command.
-
-    It is the bandwidth of an actuator of first order, which has no damping, infinite without one,
-    and zero of second order, whose rate is a state instead.
-    """
-    if actuator is None:
-        return np.asarray(np.inf)
-    bandwidth = np.asarray(actuator.natural_frequency, dtype=float)
-    is_second_order = actuator.damping is not None
-    return np.zeros(actuator.batch) if is_second_order else bandwidth
-
-
 def frequency(actuator: Actuator | None) -> FloatArray:
     """Return the natural frequency of an actuator [rad/s]; zero without one."""
     return np.zeros(()) if actuator is None else np.asarray(actuator.natural_frequency, float)
@@ -78,15 +65,6 @@ def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
     return np.where(angles[:, :1] > COARSE, substeps, 1.0).astype(np.int64)
 
 
-def with_wind(moving: LinearSystem, terms: int) -> LinearSystem:
-    """Return a vehicle with nozzle whose further states generate a polynomial wind over time.
-
-    `moving`: vehicle with nozzle and the inputs command and wind. `terms`: number of coefficients
-    of the polynomial.
-    """
-    return connect([moving, polynomial_input("wind", terms)], INPUTS[:1], ())
-
-
 def with_ramp(plant: LinearSystem) -> LinearSystem:
     """Return a plant without wind and with two further states, which make its deflection linear.
 
@@ -100,8 +78,8 @@ def joint_steps(driven: LinearSystem, vehicle: int, parts: FloatArray, terms: in
 
     J maps the N states, the command, and the `terms` coefficients of the wind's polynomial, which
     are the last states of `driven`, to the N states at the end, ``(p, parts, N, N + 1 + terms)``.
-    `driven`: result of `with_wind`. `vehicle`: number of states without the nozzle. `parts`:
-    lengths of the parts [s], ``(p, parts)``.
+    `driven`: vehicles with nozzle and wind. `vehicle`: number of states without the nozzle.
+    `parts`: lengths of the parts [s], ``(p, parts)``.
     """
     steps = driven.to_steps(parts.T)
     order = len(driven.states) - terms
@@ -365,14 +343,18 @@ def _steps(batch: Batch, plant: LinearSystem, terms: int) -> Steps:
     period, delay = (spread_to(a, shape) for a in (hardware.period, hardware.delay))
     with_actuator = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
     with_actuator = with_actuator.cases(np.arange(period.size), shape)  # batch axis (p,)
+    # further states generate the polynomial wind
+    driven = connect([with_actuator, polynomial_input("wind", terms)], INPUTS[:1], ())
     timing = Timing.of(hardware, shape, period, delay)
-    return steps_of(with_wind(with_actuator, terms), with_ramp(plant), plant, timing, terms)
+    return steps_of(driven, with_ramp(plant), plant, timing, terms)
 
 
 class Timing(NamedTuple):
     """Lengths of the samples of p vehicles and of their parts; fields as in `Steps`.
 
-    `bandwidth`: bandwidth of a first-order nozzle [1/s], ``(p, 1)``.
+    `bandwidth`: rate of a nozzle over its distance from the command [1/s], ``(p, 1)``: the
+    bandwidth of first order, 1e100 without an actuator, and zero of second order, whose rate is a
+    state instead.
     """
 
     lengths: FloatArray
@@ -390,19 +372,18 @@ class Timing(NamedTuple):
         The intervals are the sample itself, its part after the arrival, and with a rest its part
         before that; each has `lengths` and a number of `substeps`. `hardware`: gives the actuators.
         `shape`: shape of the batch of vehicles. `period`, `delay`: sample periods and computing
-        delays [s], ``(p,)``. `bandwidth` [1/s] is zero for an actuator of second order, 1e100
-        without one.
+        delays [s], ``(p,)``.
         """
         late, rest = split_delay(delay, period)
         parts = [period - rest, rest] if np.any(rest) else [period]
-        lengths = np.stack([period, *parts], axis=-1)
-        substeps = substeps_of(spread_to(frequency(hardware.actuator), shape), lengths)
-        bandwidth = np.minimum(
-            spread_to(rate_per_distance(hardware.actuator), shape), _IDEAL_BANDWIDTH
-        )
+        lengths, actuator = np.stack([period, *parts], axis=-1), hardware.actuator
+        frequencies = spread_to(frequency(actuator), shape)
+        bandwidth = np.full(period.shape, _IDEAL_BANDWIDTH)
+        if actuator is not None:
+            bandwidth = frequencies if actuator.damping is None else np.zeros(period.shape)
         return cls(
             lengths=lengths,
-            substeps=substeps,
+            substeps=substeps_of(frequencies, lengths),
             bandwidth=bandwidth[:, np.newaxis],
             late=late.astype(np.int64),
         )

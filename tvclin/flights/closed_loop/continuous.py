@@ -510,15 +510,19 @@ class ContinuousFlight:
         """
         from scipy.integrate import solve_ivp
 
-        factor = 1.0 if self.loop.actuator is None else _ACTUATOR_FACTOR
+        loop = self.loop
+        # of the states of the vehicle times the magnitude that corresponds to an angle of one
+        tolerance = np.full(loop.size, _ATOL * abs(float(self.wind.peak)))
+        tolerance[: loop.order] *= loop.equations.scales
+        factor = 1.0 if loop.actuator is None else _ACTUATOR_FACTOR
         result = solve_ivp(
             rates,
             span,
             state,
             method="DOP853",
             rtol=factor * _RTOL,
-            atol=factor * self._absolute_tolerance,
-            max_step=self._max_step,
+            atol=factor * tolerance,
+            max_step=_MAX_STEP_TIMES_POLE / loop.fastest if loop.fastest else np.inf,
             dense_output=True,
             events=[*(_event(end) for end in ends), _flight_end(self.max_attitude)],
             args=(regime,),
@@ -546,22 +550,6 @@ class ContinuousFlight:
             rows[:order, inside] = states[:order]
             rows[-1, inside] = loop.deflection(states, measured, arcs[k].mode)
         return rows
-
-    @cached_property
-    def _absolute_tolerance(self) -> FloatArray:
-        """Absolute tolerance of the solver for each state, in its unit, ``(n,)``.
-
-        A fraction of the wind's peak; of the vehicle's states times `scales`, the magnitude of each
-        that corresponds to an angle of one.
-        """
-        tolerance = np.full(self.loop.size, _ATOL * abs(float(self.wind.peak)))
-        tolerance[: self.loop.order] *= self.loop.equations.scales
-        return tolerance
-
-    @property
-    def _max_step(self) -> float:
-        """Longest step of the solver [s], for the poles of actuator and law."""
-        return _MAX_STEP_TIMES_POLE / self.loop.fastest if self.loop.fastest else np.inf
 
 
 def _with_evaluation_limit(

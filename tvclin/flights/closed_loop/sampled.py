@@ -31,16 +31,6 @@ from tvclin.numerics.propagation import input_states, matrix_exponentials, piece
 from tvclin.winds.histories import History
 
 
-def flown(batch: Batch, *, track: bool = False) -> Flights:
-    """Return the flights of a batch at their ends, as arrays of the kernel.
-
-    `track`: whether the samples of a single flight are recorded.
-    """
-    f = flights(batch, track=track)
-    finish(f, batch.laws)
-    return f
-
-
 def finish(f: Flights, laws: LawBatch) -> None:
     """Step flights of laws to their ends, in place.
 
@@ -205,7 +195,8 @@ def tracked(flight: Batch, times: FloatArray) -> Tracked:
     substeps of the nozzle (`_Substeps`): there the rate is constant if it is limited, else that of
     the actuator's equation.
     """
-    actuator, f = flight.hardware.actuator, flown(flight, track=True)
+    actuator, f = flight.hardware.actuator, flights(flight, track=True)
+    finish(f, flight.laws)
     n = len(flight.system.states)
     system = plant_with_actuator(flight.plant, actuator, flight.laws.sensors)
     with np.errstate(invalid="ignore"):  # NaN exceeds it too

@@ -452,10 +452,9 @@ class Stages:
             To fourth order; a batch ``(parts, m)``, as `lengths`. `loops`: the varying system at
             `places`, a flat batch ``(places m,)``: first Gauss points of all parts, then second.
             """
-            first_points = np.arange(lengths.size)
+            first_points = np.arange(lengths.size).reshape(lengths.shape)
             first, second = (
-                _in_parts(loops.cases(points, shape), lengths.shape)
-                for points in (first_points, first_points + lengths.size)
+                loops.cases(points, shape) for points in (first_points, first_points + lengths.size)
             )
             return constant_over_steps(first, second, lengths)
 
@@ -633,18 +632,3 @@ class Stages:
         neighbours = inside[..., np.newaxis] + np.array([-1, 0, 1])
         is_flown = (neighbours >= 0) & (neighbours <= samples)
         return np.unique((firsts + np.where(is_flown, neighbours, 0))[is_flown]).astype(np.int64)
-
-
-def _in_parts(system: LinearSystem, shape: tuple[int, ...]) -> LinearSystem:
-    """Return a system, or a flat batch of systems, as a batch of the shape (parts, samples).
-
-    `shape`: numbers of parts and samples. A single system is repeated.
-    """
-
-    def shaped(matrix: FloatArray) -> FloatArray:
-        """Return a matrix, or a flat batch of matrices, as a batch of shape `shape`, as above."""
-        tail = matrix.shape[-2:]
-        return np.broadcast_to(matrix, (int(np.prod(shape)), *tail)).reshape(*shape, *tail)
-
-    A, B, C, D = (shaped(matrix) for matrix in system.matrices())
-    return replace(system, A=A, B=B, C=C, D=D)

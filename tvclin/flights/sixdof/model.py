@@ -9,7 +9,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import numpy as np
 
-from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight
+from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight, time_of
 from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import between, directions
 from tvclin.base.fields import checked, quantity
@@ -54,13 +54,12 @@ def nominal_trajectory(
     `condition`: altitude and dynamic pressure of that state. `InputError` as `nominal_flight`. The
     states of the nominal flight are speed [m/s], path angle [rad] and altitude [m].
     """
-    vehicle_time = 0.0 if vehicle.time is None else float(np.asarray(vehicle.time))
-    first, last = min(float(times[0]), vehicle_time), max(float(times[-1]), vehicle_time)
+    start, reference = float(times[0]), time_of(vehicle)
+    first, last = min(start, reference), max(float(times[-1]), reference)
     nominal = nominal_flight(vehicle, condition, start=first, stop=last)
     speeds, paths, altitudes = states = nominal.states(times)
     _, path_rate, _ = nominal.rates(times, states)  # of speed, path angle and altitude
     zeros = np.zeros(times.size)
-    start = float(times[0])
     departure = InitialState(
         altitude=float(altitudes[0]),
         path_rate=float(path_rate[0]),

@@ -358,7 +358,7 @@ class WindProfile(Record):
 
         Parameters
         ----------
-        flight : NominalFlight, Climb, or anything like them
+        flight : FlightSchedule, Climb, or anything like them
             Has arrays ``time`` [s], ``height`` [m], ``speed`` [m/s] and ``flight_path_angle``
             [rad], one number for each time, and ascends.
         azimuth : float
@@ -395,7 +395,7 @@ class WindProfile(Record):
 
         Parameters
         ----------
-        flight : NominalFlight, Climb, or anything like them
+        flight : FlightSchedule, Climb, or anything like them
             Has arrays ``time`` [s], ``height`` [m], ``speed`` [m/s] and ``flight_path_angle``
             [rad], ``(n,)``, and ascends.
         azimuth : float
