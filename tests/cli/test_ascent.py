@@ -212,7 +212,7 @@ def test_a_sounding_is_flown_through_alone_and_its_end_leaves_the_flight_open(tm
 
     assert (sufficient.exit_code, short.exit_code) == (1, 1)
     assert (lower.exit_code, unasked.exit_code) == (1, 0)
-    assert "deg: NOT KNOWN; where the winds are known 0.2" in sufficient.output
+    assert "Limit 0.700 deg: NOT KNOWN; required" in sufficient.output
     where = f"; required deflection NOT KNOWN {end}, {gap}"
     assert where in " ".join(sufficient.output.split())
     document, below = json.loads(short.stdout), json.loads(lower.stdout)

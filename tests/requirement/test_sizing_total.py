@@ -34,6 +34,17 @@ def test_systematic_lines_add_and_random_ones_add_in_squares() -> None:
     assert DeflectionTotal(lines).sufficient is None
 
 
+def test_what_is_not_known_leaves_no_remainder() -> None:
+    """The part that is known may be at nominal dynamic pressure, which is no bound of the rest."""
+    where = "at the dynamic pressure encountered at 60 s"
+    unknown = DeflectionTotal((Line("wind", 0.01),), limit=0.05, not_sized=(where,))
+    assert unknown.sufficient is None
+    assert unknown.remaining is None
+    lines = ("Limit 2.865 deg: NOT KNOWN", f"Required deflection NOT KNOWN {where}")
+    assert tuple(map(text, unknown.verdict)) == lines
+    assert "remaining" not in unknown.words
+
+
 def test_an_offset_takes_the_deflection_that_balances_its_moment(configuration_i) -> None:
     v = configuration_i.replace(control_force_slope=0.5 * configuration_i.thrust)
     total = tv.requirement.total_deflection(

@@ -125,14 +125,12 @@ class DeflectionTotal(Shown):
     def verdict(self) -> tuple[Cell, ...]:
         """The verdict on the limit, and where the total is not known, each as a line."""
         verdicts: list[Cell] = []
-        if self.limit is not None and self.remaining is not None:
-            remaining = degrees("total.remaining", abs(self.remaining), unit="deg")
-            words = " remaining after the reserve" if self.reserve else " remaining"
-            line: Cell = (f"{sufficiency(True)}, ", *remaining, words)
-            if self.sufficient is None:
-                line = (f"{sufficiency(None)}; where the winds are known ", *remaining, words)
-            if not self.lines:
-                line = (sufficiency(None),)
+        if self.limit is not None:
+            line: Cell = (sufficiency(self.sufficient),)
+            if self.sufficient and self.remaining is not None:
+                remaining = degrees("total.remaining", abs(self.remaining), unit="deg")
+                words = " remaining after the reserve" if self.reserve else " remaining"
+                line = (f"{sufficiency(True)}, ", *remaining, words)
             elif self.sufficient is False:
                 shortfall = self.required - self.limit  # [rad]
                 short = degrees("total.short", shortfall, unit="deg")
@@ -240,8 +238,13 @@ class DeflectionTotal(Shown):
     @property
     @derived("angle", card=False, document=False)
     def remaining(self) -> float | None:
-        """Remaining deflection [rad]: the limit minus `required`; negative if insufficient."""
-        return None if self.limit is None else self.limit - self.required
+        """Remaining deflection [rad]: the limit minus `required`; negative if insufficient.
+
+        None without a limit, and where it is not known whether the limit is sufficient.
+        """
+        if self.limit is None or self.sufficient is None:
+            return None
+        return self.limit - self.required
 
 
 def total_table(total: DeflectionTotal) -> Table:
