@@ -154,7 +154,8 @@ def test_gains_for_the_least_nozzle_are_those_of_the_vehicle_that_bends():
     """Gains designed for the rigid vehicle miss the criteria on the same file, by every command."""
     given = ("design", "made-up-launcher", "--delay-ms", "10")
     refused = run(*given, "--crossover", "2", "--least")
-    assert (refused.exit_code, "no attitude and rate gains meet" in refused.output) == (2, True)
+    words = "up to 2 rad/s: NOT MET by any attitude and rate gains"
+    assert (refused.exit_code, words in " ".join(refused.output.split())) == (1, True)
     rigid = json.loads(run(*given, "--least", "--set", "study.rigid=true", "--json").stdout)[
         "autopilot"
     ]
@@ -182,3 +183,35 @@ def test_gains_found_with_a_notch_meet_the_criteria_in_margins_too():
         is json.loads(margins.stdout)["criteria"]["satisfied"]
         is True
     )
+
+
+IMPOSSIBLE = ("--set", "criteria.phase_margin_deg", "80")
+
+
+def test_a_search_without_a_result_is_an_answer_of_no():
+    """Exit code 1, the nearest gains judged as margins judges them, and the range of the search."""
+    answer = run("design", "--least", *IMPOSSIBLE, "--json")
+    document = json.loads(answer.stdout)
+    assert answer.exit_code == 1
+    assert document["unsatisfied"].startswith("criteria classic, with phase margin 80 deg: NOT MET")
+    assert "least" not in document
+    assert any("in the range of a0 from" in note for note in document["notes"])
+    assert not any("--least" in note for note in document["notes"])
+    own = document["autopilot"]
+    gains = ("--attitude-gain", repr(own["attitude_gain"]), "--rate-gain", repr(own["rate_gain_s"]))
+    judged = run("margins", *gains, *IMPOSSIBLE, "--json")
+    assert judged.exit_code == 1
+    phase = json.loads(judged.stdout)["margins"]["phase_margin_deg"]
+    assert 70.0 < phase == pytest.approx(document["margins"]["phase_margin_deg"], rel=1e-9)
+
+
+@pytest.mark.thorough
+def test_rules_with_a_lower_peak_than_the_least_gains_are_named():
+    """The peaks of the table say which; with two gains the note names the option for three."""
+    document = json.loads(run("design", "--least", "--json").stdout)
+    least, *others = document["rules"]
+    peaks = {rule["rule"]: rule["peak_deflection_deg"] for rule in others if rule["satisfied"]}
+    lower = {name for name, peak in peaks.items() if peak < least["peak_deflection_deg"]}
+    (note,) = (note for note in document["notes"] if note.startswith("least-nozzle has"))
+    assert lower == {"drift-minimum", "half-relief", "lqr"}
+    assert all(name in note for name in (*lower, "--three-gains"))

@@ -46,7 +46,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import DESIGNS, LEAST_NOZZLE, POLE_PLACEMENT_RULES
 from tvclin.control.margins.criteria import Criteria
 from tvclin.design.gain_designs import gain_trade_off, minimum_gains, specified_autopilot
-from tvclin.design.minimum_gains import MinimumGains
+from tvclin.design.minimum_gains import PEAK, MinimumGains, UnsatisfiedCriteriaError
 from tvclin.design.worst_case import BOX_TABLE, WorstCase, unit_of, worst_case
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
@@ -230,7 +230,7 @@ class MinimumGainOptions:
         The minimum is of the largest deflection over pulses of the duration of the wind, half and
         twice that; margins satisfy `case.margin_criteria`, of the plan or the classic ones.
         `applied_to` gives the plan the rule `LEAST_NOZZLE`; `InputError` where gains or another
-        rule took its place, and for a sounding.
+        rule took its place, and for a sounding; `UnsatisfiedCriteriaError` where there are none.
         """
         design, wind = case.autopilot_design, case.wind_in_plane
         if not self.least:
@@ -318,24 +318,23 @@ def design(
 
     --plot draws the Nichols chart of the gains; with --least, what a disk margin costs.
 
-    Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop; 2: bad input.
+    Rules that place poles have --natural-frequency; without it the first of 1.5, 2, 3, 4 and 6
+    times the unstable pole whose gains satisfy the criteria, or twice that pole.
+
+    Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop, or by any gains of
+    --least; 2: bad input.
     """
     # functions that put the options over the plan of the file, the last a check
     changes = [*(options.applied_to for options in (timing, model, least, gains)), _with_gains]
     questions = ("design", "design --box") if box else ("design",)  # notes say what they neglect
     case = case_of(vehicle, *changes, wind=winds.applied_to, questions=questions, time=time)
     with waiting("seeking gains"):
-        sought = least.minimum(case)
-        loop = (
-            specified_autopilot(case, case.history, criteria=case.margin_criteria)
-            if sought is None
-            else sought.autopilot
-        )
+        loop, sought, unsatisfied = _designed(case, least)
         frequency = _frequency(case)  # natural frequency for rules that place poles [rad/s]
         results = tuple(_results(case, loop, frequency))
-        in_box = worst_in_box(box or [], case, loop)
+        in_box = None if unsatisfied else worst_in_box(box or [], case, loop)
     wind = wind_words(winds.name(case), case)
-    result = _Answer(case, wind, results, frequency=frequency, sought=sought, in_box=in_box)
+    result = _Answer(case, wind, results, frequency, sought, unsatisfied, in_box)
     with waiting("drawing"):
         draw(shown.plot, result.chart)
     answer(shown.as_json, result.document, lambda: result.print(vehicle, more), result.satisfied)
@@ -351,6 +350,23 @@ def _with_gains(plan: StudyPlan) -> StudyPlan:
     return plan
 
 
+def _designed(
+    case: StudyPlan, least: MinimumGainOptions
+) -> tuple[Autopilot, MinimumGains | None, UnsatisfiedCriteriaError | None]:
+    """Return the autopilot of a case, the result of --least, and the error of its search.
+
+    Where no gains satisfy the criteria, the autopilot has the nearest gains, and the error says so;
+    also without --least, of a case whose rule is `LEAST_NOZZLE`.
+    """
+    try:
+        sought = least.minimum(case)
+        if sought is not None:
+            return sought.autopilot, sought, None
+        return specified_autopilot(case, case.history, case.margin_criteria), None, None
+    except UnsatisfiedCriteriaError as error:
+        return error.nearest, None, error
+
+
 def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Iterator[RuleResult]:
     """Yield the results of the gains of a case, and of each rule's gains for its vehicle.
 
@@ -362,7 +378,7 @@ def _results(case: StudyPlan, loop: Autopilot, frequency: float | None) -> Itera
     rule_of_case = specified.design or ("poles" if specified.natural_frequency else "canonical")
     if specified.attitude_gain is not None:
         rule_of_case = "given"
-    yield RuleResult.of(rule_of_case, case, loop)
+    yield RuleResult.of(rule_of_case, case, loop)  # also of the nearest gains to the criteria
     for rule in DESIGNS:
         placed = rule in POLE_PLACEMENT_RULES
         if rule in (rule_of_case, LEAST_NOZZLE) or (placed and frequency is None):
@@ -392,13 +408,18 @@ def _frequency(case: StudyPlan) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    """Gains of a case, first, and of rules; the search for them, and their worst case in a box."""
+    """Gains of a case, first, and of rules; the search for them, and their worst case in a box.
+
+    `sought`: gains for the minimum deflection; None where others are designed. `unsatisfied`: error
+    of a search without a result, whose nearest gains are then those of the case.
+    """
 
     case: StudyPlan
     wind: str
     results: tuple[RuleResult, ...]
     frequency: float | None
     sought: MinimumGains | None
+    unsatisfied: UnsatisfiedCriteriaError | None
     in_box: BoxResult | None
 
     @property
@@ -408,7 +429,12 @@ class _Answer:
 
     @property
     def satisfied(self) -> bool:
-        """Whether the gains satisfy the criteria, with a box of uncertain parameters too."""
+        """Whether the gains satisfy the criteria, with a box of uncertain parameters too.
+
+        False after a search without a result: the nearest gains may miss the crossover alone.
+        """
+        if self.unsatisfied is not None:
+            return False
         return self.margins.satisfied and (self.in_box is None or self.in_box.satisfied)
 
     @cached_property
@@ -417,12 +443,32 @@ class _Answer:
 
         Margins are of the `whole` loop and of its modes; `margin_criteria` are their criteria.
         """
-        sought = () if self.sought is None else self.sought.notes
-        satisfied, delay = self.margins.satisfied, self.margins.whole.delay_margin
+        satisfied, delay = self.satisfied, self.margins.whole.delay_margin
         notes = gain_notes(self.case, self.case.margin_criteria, satisfied, delay)
         sampled = self.margins.autopilot.sample_rate is not None
         timing = ("margins are of the sampled autopilot, peaks of the continuous one",) * sampled
+        sought = self._search_notes()
         return (*sought, *timing, *notes, *self.margins.whole.notes, *mode_notes(self.margins))
+
+    def _search_notes(self) -> Iterator[str]:
+        """Yield notes on the search for gains: range, winds, and rules with a lower peak."""
+        if self.unsatisfied is not None:
+            yield from filter(None, (self.unsatisfied.searched, self.unsatisfied.bounds))
+        if self.sought is None:
+            return
+        yield from self.sought.notes
+        first, *others = self.results
+        lower = [row for row in others if row.margins.satisfied and row.peak < first.peak]
+        if not lower:
+            return
+        quantity = "peak" if self.sought.meaning == PEAK else "required limit"
+        free = listed(self.sought.problem.gains)
+        three = "" if self.sought.problem.has_alpha else " (--three-gains adds the angle of attack)"
+        yield (
+            f"{first.rule} has the lowest {quantity} of gains on {free}{three}, in the worst of"
+            " this wind and winds half and twice as long; in this wind alone the peak is lower"
+            f" with {listed(row.rule for row in lower)}"
+        )
 
     def chart(self) -> "ControlPlot":
         """Return the chart of deflection against disk margin for gains of minimum deflection.
@@ -441,12 +487,14 @@ class _Answer:
     def document(self) -> dict[str, Any]:
         """Return the document of the answer for JSON.
 
-        "least" has the gains for the minimum deflection (`sought`), and "box" the worst margins in
-        the intervals of --box (`in_box`), where these are computed.
+        "least" has the gains for the minimum deflection (`sought`), "unsatisfied" the sentence that
+        there are none, and "box" the worst margins in the intervals of --box (`in_box`), where
+        these are computed.
         """
         case, margins = self.case, margins_document(self.margins)
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}
-        further = {"least": self.sought, "box": self.in_box}
+        unsatisfied = None if self.unsatisfied is None else self.unsatisfied.sentence
+        further = {"least": self.sought, "unsatisfied": unsatisfied, "box": self.in_box}
         return {
             **head,
             **margins,
@@ -463,7 +511,7 @@ class _Answer:
         `source`: file, for a vehicle without a name. `more`: whether details and all notes follow.
         """
         name = self.case.vehicle.name or source
-        poles = f"; poles at {self.frequency:.3g} rad/s" if self.frequency else ""
+        poles = f"; rules that place poles: at {self.frequency:.3g} rad/s" if self.frequency else ""
         unstable = [row.rule for row in self.results if not row.margins.whole.stable]
         without = f"; no margins, the loop is not stable: {listed(unstable)}" if unstable else ""
         caption = f"{name}, {self.case.plant.model}, {self.case.plane}: {self.wind}{poles}{without}"
@@ -491,5 +539,7 @@ class _Answer:
         """The gains of the case with the verdict on their margins; with a box the verdict in it."""
         if self.in_box is not None:
             return self.in_box.verdict
+        if self.unsatisfied is not None:
+            return self.unsatisfied.sentence
         autopilot, rule = self.margins.autopilot, self.results[0].rule
         return f"gains {rule}: {autopilot.gains_text}; {self.margins.verdict}"

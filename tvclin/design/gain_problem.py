@@ -201,6 +201,16 @@ class GainProblem:
         frequency_ratio = max(self.fastest / beta, 2.0)  # w/beta; 2 keeps a range to search
         return float(c.B), beta, (1.5 * (1.0 + frequency_ratio**2), 2.0 * frequency_ratio)
 
+    @property
+    def search_range(self) -> str:
+        """Range of the gains that are sought, as "a0 from 0.1 to 3, a1 from 0.01 to 2 s"."""
+        B, beta, (stiffest, fastest) = self._scales  # largest (a0 + b0)/B and a1 beta/B
+        name, scale = "a0 + b0" if self.has_alpha else "a0", B / beta  # of the rate gain [s]
+        return (
+            f"{name} from {B * _MIN_STIFFNESS:.3g} to {B * stiffest:.3g}, a1 from"
+            f" {scale * _MIN_RATE:.3g} to {scale * fastest:.3g} s"
+        )
+
     def shortfalls(self, points: FloatArray) -> FloatArray:
         """Return the largest relative shortfall of a required margin, by row of gains, ``(n,)``.
 

@@ -14,7 +14,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError
 from tvclin.base.fields import Field, spec, specs
-from tvclin.base.lines import Table, degrees, number
+from tvclin.base.lines import Table, degrees, listed, number
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.margin_bounds import margin_bounds
@@ -111,6 +111,69 @@ class MinimumGains(Shown):
         )
         caption = f"Minimum deflection: {meanings[self.meaning]}"
         return Table(caption, ("wind", "[deg]", "of trim"), rows)
+
+
+class UnsatisfiedCriteriaError(InputError):
+    """Error of criteria that no gains in the search range satisfy.
+
+    Its arguments are the `GainProblem`, and the `Autopilot` with the gains nearest to the criteria.
+    """
+
+    @property
+    def nearest(self) -> Autopilot:
+        """Autopilot with the gains that come nearest to the criteria."""
+        _problem, autopilot = self.args  # of the constructor
+        return autopilot
+
+    @property
+    def shortfall(self) -> str:
+        """The nearest gains, and the margin of theirs whose relative shortfall is largest."""
+        problem, autopilot = self.args
+        margins = loop_margins(autopilot.exact_loop(problem.plant))
+        shortfalls = [
+            (float(shortfall(criterion, getattr(margins, criterion.margin))), criterion)
+            for criterion in problem.criteria.limits
+            if criterion.margin in MARGINS
+        ]
+        # NaN, of a margin that is not defined, counts as the largest shortfall
+        fraction, worst = max(shortfalls, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
+        if not margins.stable:
+            words = "are unstable"
+        elif fraction > 0.0:
+            (label, _, _), (limit, unit) = MARGINS[worst.margin], worst.shown
+            value = unit_factor(unit) * getattr(margins, worst.margin)
+            words = f"have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
+        else:
+            words = "miss the required margins of modes or the crossover"
+        return f"the nearest, {autopilot.gains_text}, {words}"
+
+    @property
+    def sentence(self) -> str:
+        """Verdict: criteria, free gains, and the nearest gains with their shortfall."""
+        problem, _autopilot = self.args
+        largest = problem.crossover  # largest crossover frequency [rad/s] that is permitted
+        up_to = "" if largest is None else f", with crossovers up to {largest:g} rad/s"
+        return (
+            f"criteria {problem.criteria.name}{up_to}: NOT MET by any {listed(problem.gains)}"
+            f" gains; {self.shortfall}"
+        )
+
+    @property
+    def searched(self) -> str:
+        """Range of the gains that were sought, in words."""
+        problem, _autopilot = self.args
+        return f"gains are sought in the range of {problem.search_range}"
+
+    @property
+    def bounds(self) -> str:
+        """Upper bounds of the margins of any autopilot, in one sentence; may be empty."""
+        problem, _autopilot = self.args
+        bounds = margin_bounds(problem.plant, actuator=problem.actuator, delay=problem.delay)
+        return bounds.sentence
+
+    def __str__(self) -> str:
+        """Return the message: the verdict and the bounds."""
+        return "; ".join(filter(None, (self.sentence, self.bounds)))
 
 
 _SETTLING_TIME_CONSTANTS = 8.0
@@ -255,8 +318,8 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
     """Return the gains that solve a problem.
 
     `problem`: plant, winds, nozzle and criteria. `start`: first points in the unit box of the
-    gains, ``(n, axes)``; None: the entire box is searched. `InputError` where no gains satisfy the
-    criteria.
+    gains, ``(n, axes)``; None: the entire box is searched. `UnsatisfiedCriteriaError` where no
+    gains satisfy the criteria.
     """
     axes = len(problem.gains)
     first = _BOX_POINTS * (axes - 1) if start is None else _LOCAL_POINTS
@@ -278,7 +341,7 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
         points, _ = box_minimum(flown, axes, **options)
         points, _ = box_minimum(final, axes, start=points, over_box=False, **_REFINEMENT)
     if costs[0] >= UNSATISFIED_COST:
-        raise InputError(_refusal(problem, points[0]))
+        raise UnsatisfiedCriteriaError(problem, problem.autopilot(points[0]))
     if problem.limits:
         best = _rounded(problem, points[0])
         return _record(problem, best, _boundaries(problem, problem.autopilot(best), problem.stops))
@@ -454,7 +517,8 @@ def _notes(
             notes.append(
                 f"these gains leave {ratio:.2f} of a steady wind as angle of attack: below"
                 f" {_MIN_ALPHA_RATIO} the vehicle leans so far into the wind that a sudden end of"
-                " it requires more; try with stops"
+                ' it requires more; seek them with sudden ends: minimum = "limit" and sudden_ends ='
+                " 6 in [autopilot], in Python limits=True and stops=6"
             )
         if problem.plant.rigid.model == "fixed-path":
             notes.append(
@@ -472,35 +536,3 @@ def _notes(
             f" boundary is {many_stops / trim:.3f} of trim"
         )
     return tuple(notes)
-
-
-def _refusal(problem: GainProblem, point: FloatArray) -> str:
-    """Return the sentence that no gains satisfy the criteria, with the nearest gains and bounds.
-
-    It names the margin whose relative shortfall is largest. `point`: the nearest gains in the unit
-    box of the problem, ``(axes,)``.
-    """
-    autopilot = problem.autopilot(point)
-    margins = loop_margins(autopilot.exact_loop(problem.plant))
-    text = (
-        f"no {' and '.join(problem.gains)} gains meet the criteria {problem.criteria.name}; the"
-        f" nearest, a0 = {float(autopilot.attitude_gain):.4g} and"
-        f" a1 = {float(autopilot.rate_gain):.4g} s,"
-    )
-    shortfalls = [
-        (float(shortfall(criterion, getattr(margins, criterion.margin))), criterion)
-        for criterion in problem.criteria.limits
-        if criterion.margin in MARGINS
-    ]
-    # NaN, of a margin that is not defined, counts as the largest shortfall
-    fraction, worst = max(shortfalls, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
-    if not margins.stable:
-        text += " are unstable"
-    elif fraction > 0.0:
-        (label, _, _), (limit, unit) = MARGINS[worst.margin], worst.shown
-        value = unit_factor(unit) * getattr(margins, worst.margin)
-        text += f" have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
-    else:
-        text += " miss the required margins of modes or the crossover"
-    bounds = margin_bounds(problem.plant, actuator=problem.actuator, delay=problem.delay)
-    return "; ".join(filter(None, (text, bounds.sentence)))
