@@ -66,7 +66,8 @@ class _Late(Mapping[str, Any]):
         from tvclin.cli.options import grouped
         from tvclin.cli.settings import settable
 
-        command = function_of(name)
+        module = import_module(f"tvclin.cli.{_FILE_OF_COMMAND.get(name, name)}")
+        command = getattr(module, f"{name}_" if iskeyword(name) else name)
         if not isinstance(command, typer.Typer):
             command = settable(grouped(command), name)
             command = command if name in _WITHOUT_ARITHMETIC else _strict(command)
@@ -138,12 +139,6 @@ def _unwrapped(command: Any) -> Any:
     return command
 
 
-def function_of(name: str) -> Any:
-    """Return the function of the command with a name, or the app with the commands below it."""
-    module = import_module(f"tvclin.cli.{_FILE_OF_COMMAND.get(name, name)}")
-    return getattr(module, f"{name}_" if iskeyword(name) else name)
-
-
 class Commands(TyperGroup):
     """The group of commands, which turns bad input into one sentence."""
 
@@ -176,11 +171,11 @@ class Commands(TyperGroup):
         """Run a command, with its errors, warnings and last its notes as sentences on stderr."""
         from tvclin.base.files import separate_outputs
         from tvclin.base.package_warnings import pass_warnings
-        from tvclin.cli.output import notes_last
+        from tvclin.cli.output import notes_last, say
 
         def tell(sentence: str) -> None:
             """Print a warning on stderr."""
-            _say(f"Warning: {sentence}")
+            say(f"Warning: {sentence}", err=True)
 
         # `machine` warnings, of this computer and not of the case, are printed too
         sentences = pass_warnings(tell, machine=tell)
@@ -233,7 +228,9 @@ def _input_errors_as_messages(context: Any = None) -> Iterator[None]:
         message = _sentence(error, context)
         if message is None:
             raise
-        _say(f"Error: {message}")
+        from tvclin.cli.output import say
+
+        say(f"Error: {message}", err=True)
         raise typer.Exit(2) from None
 
 
@@ -334,13 +331,6 @@ def _refused_option(context: Any, path: str, option: str) -> str | None:
     keys = settings.required_with(key, option)
     values = " ".join(f"--set {name} VALUE" for name in keys)
     return f"{path} takes no {option}: {values} {'gives' if len(keys) == 1 else 'give'} it"
-
-
-def _say(words: str) -> None:
-    """Print words on stderr."""
-    from tvclin.cli.output import say
-
-    say(words, err=True)
 
 
 def _version(wanted: bool) -> None:

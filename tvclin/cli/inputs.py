@@ -35,6 +35,11 @@ T = TypeVar("T")
 R = TypeVar("R", bound="DataclassInstance")
 
 
+def flag_of(parameter: str) -> str:
+    """Return the option of a parameter, as --limit-deg of limit_deg."""
+    return f"--{parameter.strip('_').replace('_', '-')}"
+
+
 def only_with(needed: str, **options: Any) -> None:
     """Raise `InputError` for options that are given without what they require.
 
@@ -42,9 +47,7 @@ def only_with(needed: str, **options: Any) -> None:
     None or False is not given.
     """
     flags = [
-        f"--{name.strip('_').replace('_', '-')}"
-        for name, value in options.items()
-        if value is not None and value is not False
+        flag_of(name) for name, value in options.items() if value is not None and value is not False
     ]
     if flags:
         raise InputError(f"{listed(flags)} {'need' if len(flags) > 1 else 'needs'} {needed}")
@@ -77,7 +80,10 @@ def case_of(
         plan = wind(plan, source)
     if questions:
         note_omissions(plan, *questions)
-    return without_structure(plan) if any(map(is_rigid_only, questions)) else plan
+    if any(map(is_rigid_only, questions)):
+        criteria = plan.criteria and plan.criteria.without_mode_limits
+        plan = replace(plan, vehicle=plan.vehicle.rigid, criteria=criteria)
+    return plan
 
 
 def _wind_in_own_plane(plan: StudyPlan) -> Any:
@@ -93,12 +99,6 @@ def _wind_in_own_plane(plan: StudyPlan) -> Any:
 def keys_set(source: str) -> tuple[str, ...]:
     """Return the keys of --set on a source; empty for a file or name with none set."""
     return source.keys if isinstance(source, EditedSource) else ()
-
-
-def without_structure(plan: StudyPlan) -> StudyPlan:
-    """Return a case of the rigid vehicle, without criteria of modes."""
-    criteria = plan.criteria and plan.criteria.without_mode_limits
-    return replace(plan, vehicle=plan.vehicle.rigid, criteria=criteria)
 
 
 def note_vehicle_warnings(vehicle: AnyVehicle) -> None:

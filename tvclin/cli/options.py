@@ -19,7 +19,7 @@ from tvclin.base.files import name_output, target_of, write_text
 from tvclin.base.lines import listed
 from tvclin.base.units import optional_unit
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
-from tvclin.cli.inputs import keys_set, only_with
+from tvclin.cli.inputs import flag_of, keys_set, only_with
 from tvclin.cli.output import draw
 from tvclin.control.autopilot.design_rules import (
     GIVEN_GAINS,
@@ -171,7 +171,7 @@ class Options:
         """
         chosen = {name: options.pop(name) for name in self.fields}
         values = {
-            item.name: item.from_option(_flag(name), chosen[name])
+            item.name: item.from_option(flag_of(name), chosen[name])
             for name, item in self.fields.items()
             if chosen[name] is not None and chosen[name] != []
         }
@@ -215,11 +215,6 @@ def _parameter(item: Field) -> str:
         return item.name
     suffix, _, _ = optional_unit(item.kind)  # of the unit, such as "_deg"
     return item.name + suffix
-
-
-def _flag(parameter: str) -> str:
-    """Return the option of a parameter, as --limit-deg of limit_deg."""
-    return f"--{parameter.strip('_').replace('_', '-')}"
 
 
 def _option(name: str, item: Field, shown: Mapping[str, str], panel: str | None) -> Parameter:

@@ -7,7 +7,6 @@ import os
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -45,7 +44,9 @@ def say(words: str, err: bool = False) -> None:
 
     words, console = printable(words), Console(stderr=err)
     if console.is_terminal or "COLUMNS" in os.environ:
-        words = "\n".join(map(partial(_filled, console.width), words.split("\n")))
+        form: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+        form |= {"width": console.width, "subsequent_indent": "  "}
+        words = "\n".join(textwrap.fill(line, **form) for line in words.split("\n"))
     typer.echo(words, err=err)
 
 
@@ -78,12 +79,6 @@ def notes_last() -> Iterator[None]:
             say(f"Note: {sentence.rstrip('.')}.", err=True)
 
 
-def say_notes(notes: Iterable[str]) -> None:
-    """Print the notes of an answer, each once."""
-    for note in dict.fromkeys(notes):
-        say(f"Note: {note.rstrip('.')}.")
-
-
 def print_answer(
     verdict: str,
     *tables: Table,
@@ -104,18 +99,12 @@ def print_answer(
     implausible = [note for note in unique if isinstance(note, ImplausibleInput)]
     others = [note for note in unique if not isinstance(note, ImplausibleInput)]
     remaining = len(others) if more else max(0, _MAX_NOTES - len(implausible))
-    say_notes([*implausible, *others[:remaining]])
+    for note in (*implausible, *others[:remaining]):
+        say(f"Note: {note.rstrip('.')}.")
     if more and details is not None:
         details()
     elif not more and (details is not None or len(unique) > _MAX_NOTES):
         say("--more prints all tables and notes.")
-
-
-def _filled(width: int, line: str) -> str:
-    """Return a line in lines broken between words; names of files and the like stay in one."""
-    return textwrap.fill(
-        line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False
-    )
 
 
 def print_tables(*tables: Table) -> None:
@@ -310,10 +299,9 @@ def lines(what: str, *, even: bool = True) -> Progress:
 
     `what`, `even`: the units of work in words, and whether all take about the same time; else no
     remaining time is written. The rate counts from the first report on: earlier work, and
-    the compilation of kernels until then, do not enter it.
+    the compilation of kernels until then, do not enter it. A remaining time is written after
+    `_MIN_DONE_FRACTION` of the work since then.
     """
-    import typer
-
     last = monotonic()
     first: tuple[float, float] | None = None
 
@@ -329,21 +317,12 @@ def lines(what: str, *, even: bool = True) -> Progress:
         if now - last < _LINE_INTERVAL_S or not 0.0 < done < total:
             return
         last = now
-        passed, worked = now - first[0], done - first[1]
-        remaining = _remaining_text(passed, worked, total - done) if even else ""
-        typer.echo(
-            f"{done:.0f} of {total:.0f} {what}{remaining and f', about {remaining} left'}", err=True
-        )
+        passed, worked, rest = now - first[0], done - first[1], total - done
+        known = even and worked >= _MIN_DONE_FRACTION * (worked + rest)
+        remaining = f", about {passed * rest / worked:.0f} s left" if known else ""
+        typer.echo(f"{done:.0f} of {total:.0f} {what}{remaining}", err=True)
 
     return tell
-
-
-def _remaining_text(passed: float, done: float, rest: float) -> str:
-    """Return the remaining time in words; empty before `_MIN_DONE_FRACTION` of the work is done.
-
-    `passed`: time [s] in which the amount `done` was done. `rest`: remaining amount.
-    """
-    return f"{passed * rest / done:.0f} s" if done >= _MIN_DONE_FRACTION * (done + rest) else ""
 
 
 @contextmanager

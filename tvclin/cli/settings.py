@@ -79,7 +79,12 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
     azimuth_deg, if it has one, is set in the source too, for winds that have a direction.
     """
     parameters = signature(command).parameters
-    source = next(filter(None, map(_source_name, parameters.values())), None)
+    arguments = [
+        name
+        for name, item in parameters.items()
+        if any(isinstance(k, ArgumentInfo) for k in getattr(item.annotation, "__metadata__", ()))
+    ]
+    source = next((name for name in arguments if name in _SOURCES), None)
     if name in _WITHOUT_SETTINGS or source is None:
         return command
 
@@ -90,11 +95,8 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
         `values`: arguments of the command by name, of which `source` is the name of its source.
         """
         settings = pairs(values.pop(_PARAMETER) or ())
-        if settings:
-            values[source] = _edited(values[source], settings)
-        azimuth = values.get("azimuth_deg")  # the azimuths of `availability` are another option
-        if azimuth is not None and values[source] is not None:
-            values[source] = _with_azimuth(values[source], settings, azimuth)
+        # the azimuths of `availability` are another option
+        values[source] = _edited(values[source], settings, values.get("azimuth_deg"))
         command(**values)
 
     option = Parameter(
@@ -105,13 +107,6 @@ def settable(command: Callable[..., None], name: str = "") -> Callable[..., None
     run.__signature__ = Signature(shown)  # type: ignore[attr-defined]
     run.__annotations__ = {item.name: item.annotation for item in shown}
     return run
-
-
-def _source_name(parameter: Parameter) -> str | None:
-    """Return the name of a parameter that is the source of a case; None for another one."""
-    kinds = getattr(parameter.annotation, "__metadata__", ())
-    is_argument = any(isinstance(kind, ArgumentInfo) for kind in kinds)
-    return parameter.name if is_argument and parameter.name in _SOURCES else None
 
 
 def joined(arguments: Sequence[str]) -> list[str]:
@@ -159,28 +154,29 @@ def check_settings(options: Iterable[Any], values: Mapping[str, Any]) -> None:
                 raise InputError(f"give {flag} or --set {key}, not both")
 
 
-def _edited(source: str | None, settings: Sequence[tuple[str, str]]) -> str:
-    """Return the source with keys and values of `settings` set; `InputError` without a source."""
-    from tvclin.cli.inputs import only_with
-    from tvclin.studyfile.settings import with_settings
-
-    if source is None:
-        only_with("a vehicle or a study file", set=settings)
-    return with_settings(str(source), settings)
-
-
-def _with_azimuth(source: str, settings: Sequence[tuple[str, str]], azimuth: float) -> str:
+def _edited(
+    source: str | None, settings: Sequence[tuple[str, str]], azimuth: float | None
+) -> str | None:
     """Return the source with keys set: `settings` of --set, and the azimuth of winds that need one.
 
     Such winds are soundings and winds with a direction. `azimuth`: direction of flight [deg].
+    `InputError` for settings without a source.
     """
+    if not settings and azimuth is None:
+        return source
+    from tvclin.cli.inputs import only_with
     from tvclin.studyfile.settings import with_settings
     from tvclin.vehicle.vehicle_file import source_tables
     from tvclin.winds.wind_file import directed_winds
 
-    directed = directed_winds(source_tables(source))
-    keys = [(f"wind.{k + 1}.azimuth_deg", f"{azimuth!r}") for k in directed]
-    return with_settings(str(source), [*settings, *keys]) if keys else source
+    if source is None:
+        only_with("a vehicle or a study file", set=settings or None)
+        return None
+    edited, keys = with_settings(str(source), settings) if settings else source, []
+    if azimuth is not None:
+        directed = directed_winds(source_tables(edited))
+        keys = [(f"wind.{k + 1}.azimuth_deg", f"{azimuth!r}") for k in directed]
+    return with_settings(str(source), [*settings, *keys]) if keys else edited
 
 
 def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
@@ -322,13 +318,14 @@ def _field_keys() -> dict[str, tuple[str, ...]]:
     The first is the key of the option's own field, as "nozzle.limit" of --limit-deg. Beside a gain
     none of the keys of the rules for gains may be set, and the reverse.
     """
+    from tvclin.cli.inputs import flag_of
     from tvclin.cli.options import Options
     from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS
 
     keys: dict[str, tuple[str, ...]] = {}
     for kind, heading in _HEADINGS.items():
         for parameter, item in Options(kind).fields.items():
-            flag = item.option or f"--{parameter.strip('_').replace('_', '-')}"
+            flag = item.option or flag_of(parameter)
             # the table with the key, which for some fields is not the record's own
             home = "campaign" if item.name in _CAMPAIGN else heading
             home = "question" if item.name in _QUESTION else home
@@ -390,40 +387,33 @@ def named(
 
 
 def in_options(
-    message: str, candidates: Mapping[str, tuple[str, ...]], set_options: Iterable[str]
+    message: str, candidates: Mapping[str, tuple[str, ...]], set_options: Collection[str]
 ) -> str:
     """Return an error message with names of options in place of names of Python arguments.
 
     `candidates`: by argument, the options that may give it, the option of the same name first.
     `set_options`: options of the command line. An argument stays where two of its options are set;
-    a single word, which may be English, is replaced at a few places only.
+    a single word, which may be English, is replaced at a few places only. A line on a key of a file
+    stays.
     """
-    options = set(set_options)
-    return "\n".join(_in_options(line, candidates, options) for line in message.split("\n"))
-
-
-def _in_options(line: str, candidates: Mapping[str, tuple[str, ...]], given: set[str]) -> str:
-    """Return a line of a message with names of parameters replaced by options of the command.
-
-    `candidates`: options by name, the likely first. `given`: options of the command line. A single
-    word may be English, and is replaced in few places. A line on a key of a file stays.
-    """
-    if _IN_A_FILE.match(line):
-        return line
-    for name, options in candidates.items():
-        likely = [option for option in options if option in given]
-        if "_" in name:  # wherever it is a word: by the given option, or else by the first one
-            option = (likely or options[:1])[0] if len(likely) < 2 else name
-            line = re.sub(rf"(?<![\w.\-]){name}(?![\w=(])", option, line)
-            continue
-        if len(likely) == 1:  # at the begin of a line: "duration of the wind must be ..."
-            line = re.sub(rf"^{name}( of the wind)?(?= (must|is|needs)\b)", likely[0], line)
-        line = re.sub(rf"(?<=\bgive ){name}(?=,)", options[0], line)  # "give duration, ..."
-    for word, *pair in _PAIR.findall(line):
-        if all(name in candidates for name in pair):
-            first, second = (candidates[name][0] for name in pair)
-            line = line.replace(f"{word} {pair[0]} and {pair[1]}", f"{word} {first} and {second}")
-    return line
+    lines = []
+    for text in message.split("\n"):
+        line, named_options = text, {} if _IN_A_FILE.match(text) else candidates
+        for name, options in named_options.items():
+            likely = [option for option in options if option in set_options]
+            if "_" in name:  # wherever it is a word: by the given option, or else by the first one
+                option = (likely or options[:1])[0] if len(likely) < 2 else name
+                line = re.sub(rf"(?<![\w.\-]){name}(?![\w=(])", option, line)
+                continue
+            if len(likely) == 1:  # at the begin of a line: "duration of the wind must be ..."
+                line = re.sub(rf"^{name}( of the wind)?(?= (must|is|needs)\b)", likely[0], line)
+            line = re.sub(rf"(?<=\bgive ){name}(?=,)", options[0], line)  # "give duration, ..."
+        for word, first, second in _PAIR.findall(line):
+            if first in named_options and second in named_options:
+                pair = f"{named_options[first][0]} and {named_options[second][0]}"
+                line = line.replace(f"{word} {first} and {second}", f"{word} {pair}")
+        lines.append(line)
+    return "\n".join(lines)
 
 
 def _candidates(options: Iterable[Any]) -> dict[str, tuple[str, ...]]:
