@@ -1,6 +1,4 @@
 from .coefficients import Coefficients as Coefficients
-from .damping import aerodynamic_damping as aerodynamic_damping
-from .damping import jet_damping as jet_damping
 from .filters import Filter as Filter
 from .linear_vehicle import LinearVehicle as LinearVehicle
 from .linear_vehicle import load_any_vehicle as load_any_vehicle
@@ -9,5 +7,7 @@ from .structure import Engine as Engine
 from .structure import SloshTank as SloshTank
 from .structure import Structure as Structure
 from .vehicle import Vehicle as Vehicle
+from .vehicle import aerodynamic_damping as aerodynamic_damping
+from .vehicle import jet_damping as jet_damping
 from .vehicle_file import list_vehicles as list_vehicles
 from .vehicle_file import load_vehicle as load_vehicle

@@ -1,4 +1,15 @@
-"""Vehicle: the nine numbers of Table I, a damping, and the structure of a flexible vehicle."""
+"""Vehicle: the nine numbers of Table I, a damping, and the structure of a flexible vehicle.
+
+The damping of the attitude rate M_q [N m s/rad] is the sum of that by the air and by the jet:
+
+    aerodynamic:  M_q = -C_mq q S L^2/(f V),    f = 2 where C_mq is per q L/(2V), 1 where per q L/V
+    of the jet:   M_q = m' l_e^2 + I'
+
+C_mq is negative where it damps; the coefficient of the rate of the angle of attack (C_m alpha-dot)
+may be added to it. m' is the mass flow, l_e the arm from the centre of gravity aft to the nozzle's
+exit, and I' the rate of the moment of inertia, negative while propellant leaves: it takes its own
+angular momentum along.
+"""
 
 from __future__ import annotations
 
@@ -278,6 +289,115 @@ def at_pressure(vehicle: Vehicle, ratio: ArrayLike) -> Vehicle:
     return vehicle.replace(
         **{name: np.multiply(getattr(vehicle, name), ratio) for name in AIR_FORCES}
     )
+
+
+RATES = {"qL/2V": 2.0, "qL/V": 1.0}
+"""Reference rates of a damping coefficient, and f: of aircraft and DATCOM, of missiles."""
+
+
+def aerodynamic_damping(
+    coefficient: ArrayLike,
+    per: str,
+    *,
+    dynamic_pressure: ArrayLike,
+    reference_area: ArrayLike,
+    reference_length: ArrayLike,
+    velocity: ArrayLike,
+) -> Any:
+    """Return the aerodynamic damping M_q [N m s/rad], for the `pitch_damping` of `Vehicle`.
+
+    Parameters
+    ----------
+    coefficient : array_like
+        C_mq, zero or negative, about the centre of gravity.
+    per : {"qL/2V", "qL/V"}
+        Reference rate, q being the attitude rate [rad/s]: tables of aircraft and DATCOM have the
+        first, those of missiles mostly the second. They differ by a factor of two.
+    dynamic_pressure : array_like
+        Dynamic pressure [Pa], positive.
+    reference_area, reference_length : array_like
+        S [m^2] and L [m] of the coefficient, positive.
+    velocity : array_like
+        Speed relative to the air [m/s], positive.
+
+    Returns
+    -------
+    float or ndarray
+        M_q [N m s/rad]; the arguments broadcast.
+
+    Raises
+    ------
+    InputError
+        For a positive coefficient (negative damping), another rate, and numbers out of range.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> air = {"dynamic_pressure": 4e4, "reference_area": 0.02, "velocity": 250.0}
+    >>> tv.vehicle.aerodynamic_damping(-50.0, "qL/V", reference_length=0.16, **air)
+    4.096
+    """
+    C = errors.finite("coefficient", coefficient)
+    if np.any(C > 0.0):
+        raise errors.InputError(
+            "the pitch damping coefficient must be zero or negative: C_mq below zero damps; got"
+            f" {C.max():.6g}"
+        )
+    speeds = RATES[errors.one_of("per", per, RATES)]  # 2 of q L/(2 V), 1 of q L/V
+    numbers = {
+        "dynamic_pressure": errors.positive("dynamic_pressure", dynamic_pressure, "Pa"),
+        "reference_area": errors.positive("reference_area", reference_area, "m^2"),
+        "reference_length": errors.positive("reference_length", reference_length, "m"),
+        "velocity": errors.positive("velocity", velocity, "m/s"),
+    }
+    errors.together(coefficient=C, **numbers)
+    pressure, area, length, speed = numbers.values()
+    with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        damping = np.abs(C) * pressure * area * length**2 / (speeds * speed)
+    return errors.plain(errors.finite("the damping of these numbers", damping, "N m s/rad"))
+
+
+def jet_damping(mass_flow: ArrayLike, exit_arm: ArrayLike, inertia_rate: ArrayLike) -> Any:
+    """Return the damping M_q of the jet [N m s/rad], for the `pitch_damping` of `Vehicle`.
+
+    Parameters
+    ----------
+    mass_flow : array_like
+        m' [kg/s], zero or positive.
+    exit_arm : array_like
+        l_e [m], from the centre of gravity aft to the nozzle's exit, positive.
+    inertia_rate : array_like
+        I' [kg m^2/s], zero or negative while propellant leaves. Zero gives an upper bound.
+
+    Returns
+    -------
+    float or ndarray
+        M_q [N m s/rad]; the arguments broadcast.
+
+    Raises
+    ------
+    InputError
+        For numbers out of range, and an inertia rate that makes the damping negative.
+
+    Examples
+    --------
+    >>> import tvclin as tv
+    >>> tv.vehicle.jet_damping(2.0, 1.5, inertia_rate=-0.5)
+    4.0
+    """
+    flow = errors.nonnegative("mass_flow", mass_flow, "kg/s")
+    arm = errors.positive("exit_arm", exit_arm, "m")
+    rate = errors.finite("inertia_rate", inertia_rate, "kg m^2/s")
+    errors.together(mass_flow=flow, exit_arm=arm, inertia_rate=rate)
+    with np.errstate(over="ignore", invalid="ignore"):  # refused below
+        damping = errors.finite("the damping of these numbers", flow * arm**2 + rate, "N m s/rad")
+    if np.any(damping < 0.0):
+        raise errors.InputError(
+            "mass_flow times exit_arm squared must be at least what the moment of inertia loses,"
+            f" -inertia_rate: the damping would be negative, {damping.min():.6g} N m s/rad (check"
+            " the units, and that exit_arm reaches to the nozzle's exit)"
+        )
+    return errors.plain(damping)
 
 
 _MAX_SLOPE_TIMES_LENGTH = 100.0

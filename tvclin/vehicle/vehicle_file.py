@@ -21,29 +21,40 @@ from tvclin.base.fields import file_table, parameters
 from tvclin.base.files import ENCODINGS, UTF_8, EditedSource, called, exists, read_text, tables_of
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS
-from tvclin.vehicle.damping import QUANTITIES, damping_of
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
-from tvclin.vehicle.vehicle import NUMBERS, STANDARD_GRAVITY, Vehicle
+from tvclin.vehicle.vehicle import (
+    AIR_FORCES,
+    NUMBERS,
+    STANDARD_GRAVITY,
+    Vehicle,
+    aerodynamic_damping,
+    jet_damping,
+)
 
-_FORCES = ("normal_force_slope", "axial_force")
 _OPTIONAL = ("time", "control_force_slope", "pitch_damping")
-_REQUIRED = tuple(name for name in NUMBERS if name not in (*_FORCES, *_OPTIONAL))
+_REQUIRED = tuple(name for name in NUMBERS if name not in (*AIR_FORCES, *_OPTIONAL))
 _AERODYNAMICS = {
     "dynamic_pressure": "pressure",
     "reference_area": "area",
     "normal_force_coefficient_slope": "per angle",
     "axial_force_coefficient": "number",
 }
-_MASS_KEYS = {"mass": "mass"}
-"""Keys that replace the weight."""
+DAMPING_QUANTITIES = {
+    "pitch_damping_coefficient": "damping coefficient",
+    "reference_length": "length",
+    "jet_mass_flow": "mass flow",
+    "inertia_rate": "inertia rate",
+    "exit_arm": "length",
+}
+"""Sources of the damping in vehicle files, with their kinds; a coefficient is per q L/V."""
 
 VEHICLE_TABLE = FileTable(
     "[vehicle]",
     {name: item.kind for name, item in parameters(Vehicle).items()}
     | _AERODYNAMICS
-    | QUANTITIES
-    | _MASS_KEYS,
+    | DAMPING_QUANTITIES
+    | {"mass": "mass"},
     words=("name", "numbers_from"),
 )
 COEFFICIENTS = "coefficients"
@@ -53,7 +64,6 @@ SCHEDULE_HEADINGS = {"schedule", "structure", "engine", "sensors"}
 HEADINGS = ("vehicle", "flight", "structure", "engine", "sensors", "bending", "slosh")
 """Tables of a vehicle file; [flight] belongs to `FlightCondition`."""
 _SENSORS = ("attitude_sensor", "rate_gyro")
-_DISPLACEMENTS = "tank_displacements"
 _TANK_SLOPES = {f"tank_slopes_{unit}": factor for unit, factor in UNITS["per length"].items()}
 
 STRUCTURE_TABLE = FileTable("[structure]", words=("thrust_follows",))
@@ -66,7 +76,7 @@ SENSORS_TABLE = FileTable(
 BENDING_TABLE = file_table(
     "[[bending]]",
     BendingMode,
-    lists=(_DISPLACEMENTS, *_TANK_SLOPES),
+    lists=("tank_displacements", *_TANK_SLOPES),
     required=tuple(name for name, item in parameters(BendingMode).items() if item.default is None),
 )
 SLOSH_TABLE = file_table("[[slosh]]", SloshTank, required=("mass", "station", "damping"))
@@ -222,12 +232,49 @@ def build_vehicle(row: Mapping[str, Any], heading: str = "[vehicle]") -> Vehicle
     weight, and sources of the damping in place of pitch_damping. `InputError` for a missing key.
     """
     table = replace(VEHICLE_TABLE, heading=heading)
-    values = damping_of(table.read(row), table)
+    values = _damping_of(table.read(row), table)
     _check_complete(values.keys(), table)
     if "mass" in values:
         values["weight"] = values.pop("mass") * STANDARD_GRAVITY
     build = Vehicle.from_aerodynamics if values.keys() & _AERODYNAMICS else Vehicle
     return build(**values)
+
+
+def _damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
+    """Return the numbers of a vehicle with pitch_damping [N m s/rad] in place of its sources.
+
+    `values`: numbers of `table`, the table [vehicle], in SI units by name: either pitch_damping, or
+    an aerodynamic coefficient per q L/V and the numbers of the jet, whose dampings add up. The arm
+    of the jet is the control arm unless exit_arm is given.
+    """
+    coefficient, flow = "pitch_damping_coefficient", "jet_mass_flow"
+    sources = [name for name in (coefficient, flow) if name in values]
+    result = {name: value for name, value in values.items() if name not in DAMPING_QUANTITIES}
+    if "pitch_damping" in values and sources:
+        raise InputError(
+            f"{table.heading} has both pitch_damping and {sources[0]}; keep one (pitch_damping is"
+            " that of air and jet together)"
+        )
+    required = {"reference_length": coefficient, "inertia_rate": flow, "exit_arm": flow}
+    for name, source in required.items():
+        if name in values and source not in values:
+            raise InputError(f"{name} in {table.heading} needs {table.spelled(source)} beside it")
+    dampings = []
+    if coefficient in values:
+        names = ("dynamic_pressure", "reference_area", "reference_length", "velocity")
+        table.need(values, names)
+        air = {name: values[name] for name in names}
+        dampings.append(aerodynamic_damping(values[coefficient], "qL/V", **air))
+    if flow in values:
+        if "inertia_rate" not in values:
+            raise InputError(
+                f"jet_mass_flow in {table.heading} needs {table.spelled('inertia_rate')}, the rate"
+                " of the moment of inertia: negative while propellant leaves, and 0 for an upper"
+                " bound of the damping"
+            )
+        arm = values.get("exit_arm", values["control_arm"])
+        dampings.append(jet_damping(values[flow], arm, values["inertia_rate"]))
+    return result | ({"pitch_damping": sum(dampings)} if dampings else {})
 
 
 def check_columns(keys: Collection[str], table: FileTable) -> None:
@@ -262,7 +309,7 @@ def _check_complete(names: Collection[str], table: FileTable) -> None:
             raise InputError(f"{table.heading} has both a weight and a mass; keep one")
     aerodynamic = _AERODYNAMICS.keys() & set(names)  # dynamic pressure, area, coefficients
     with faults.collect():
-        required = (*_REQUIRED, *table.required, *(_AERODYNAMICS if aerodynamic else _FORCES))
+        required = (*_REQUIRED, *table.required, *(_AERODYNAMICS if aerodynamic else AIR_FORCES))
         table.need({*names, "weight"}, required)
     faults.raise_all()
 

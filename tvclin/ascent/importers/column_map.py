@@ -15,10 +15,9 @@ from tvclin.base.errors import InputError, number, shown
 from tvclin.base.sheet import Column, Fit, Heading, Headings, Sheet, letters, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.base.units import POUND_FORCE, UNITS, WRITTEN, unit_of
-from tvclin.vehicle.damping import QUANTITIES as DAMPING_QUANTITIES
-from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
+from tvclin.vehicle.vehicle_file import DAMPING_QUANTITIES, VEHICLE_TABLE
 
-_UNMAPPED = {"control_force_slope", *DAMPING_QUANTITIES} - {"pitch_damping"}
+_UNMAPPED = {"control_force_slope", *DAMPING_QUANTITIES}
 """Numbers of vehicle files that no column has."""
 QUANTITIES = {
     **{name: kind for name, kind in VEHICLE_TABLE.quantities.items() if name not in _UNMAPPED},
