@@ -33,20 +33,20 @@ from tvclin.linear.plant import STATION_RANGE, Plant
 from tvclin.vehicle.filters import Filter
 
 LEAST_NOZZLE = "least-nozzle"
-POLE_PLACEMENT_RULES: dict[str, Callable[..., Autopilot]] = {
+DRIFT_POLES = "drift-poles"
+_RULES: dict[str, Callable[..., Autopilot]] = {
+    "canonical": canonical_gains,
     "poles": design_gains,
     "drift-minimum": drift_minimum_gains,
     "load-minimum": load_minimum_gains,
-}
-"""Design rules that place poles, by name."""
-_RULES_WITHOUT_POLES: dict[str, Callable[..., Autopilot]] = {
-    "canonical": canonical_gains,
+    DRIFT_POLES: drift_gains,
     "half-relief": half_relief_gains,
     "lqr": lqr_gains,
 }
-"""Design rules without poles of the user, by name."""
-DRIFT_POLES = "drift-poles"
-DESIGNS = ("canonical", *POLE_PLACEMENT_RULES, DRIFT_POLES, "half-relief", "lqr", LEAST_NOZZLE)
+"""Design rules of a plant alone, by name."""
+POLE_PLACEMENT_RULES = ("poles", "drift-minimum", "load-minimum")
+"""Names of the rules that place the poles of the attitude, and no others."""
+DESIGNS = (*_RULES, LEAST_NOZZLE)
 MINIMA = ("peak", "limit")
 """Deflections that gains may minimise."""
 _DEFAULT_DAMPING = 0.7
@@ -271,38 +271,25 @@ class AutopilotDesign:
             raise errors.InputError("a schedule of gains and a notch at a mode need a flight")
         options = self.options(actuator)
         self.check_gains()
-        if self.attitude_gain is None or self.rate_gain is None:  # and no gain is given, as checked
-            return _by_rule(plant, self, options)
-        return Autopilot(
-            attitude_gain=self.attitude_gain,
-            rate_gain=self.rate_gain,
-            alpha_gain=self.alpha_gain or 0.0,
-            **options,
-        )
+        if self.attitude_gain is not None and self.rate_gain is not None:
+            return Autopilot(
+                attitude_gain=self.attitude_gain,
+                rate_gain=self.rate_gain,
+                alpha_gain=self.alpha_gain or 0.0,
+                **options,
+            )
+        rule, numbers = _rule_numbers(self)
+        if rule == LEAST_NOZZLE:
+            raise errors.InputError(
+                f"design {LEAST_NOZZLE} needs a wind: tvclin design and study files have one; in"
+                " Python see minimum_deflection_gains"
+            )
+        for name in _designed_drift_gains(rule, numbers):
+            del options[name]  # zero: the rule sets this gain
+        return _RULES[rule](plant, **numbers, **options)
 
 
 AUTOPILOT_TABLE = file_table("[autopilot]", AutopilotDesign, words=("schedule",), lists=("filter",))
-
-
-def _by_rule(plant: Plant, design: AutopilotDesign, options: dict[str, Any]) -> Autopilot:
-    """Return the autopilot of a design rule for a plant, with further arguments of `Autopilot`.
-
-    `design`: name and numbers of the rule. `options`: actuator, delay, filters, sample rate, and
-    gains that are added. `InputError` for a rule that needs a wind, and as `_rule_numbers`.
-    """
-    rule, numbers = _rule_numbers(design)
-    if rule == LEAST_NOZZLE:
-        raise errors.InputError(
-            f"design {LEAST_NOZZLE} needs a wind: tvclin design and study files have one; in"
-            " Python see minimum_deflection_gains"
-        )
-    for name in _designed_drift_gains(rule, numbers):
-        del options[name]  # zero: the rule sets this gain
-    if rule == DRIFT_POLES:
-        return drift_gains(plant, **numbers, **options)
-    if rule in _RULES_WITHOUT_POLES:  # canonical, half-relief and lqr
-        return _RULES_WITHOUT_POLES[rule](plant, **numbers, **options)
-    return POLE_PLACEMENT_RULES[rule](plant.coefficients, **numbers, **options)
 
 
 def _rule_numbers(design: AutopilotDesign) -> tuple[str, dict[str, float]]:
@@ -325,7 +312,7 @@ def _rule_numbers(design: AutopilotDesign) -> tuple[str, dict[str, float]]:
     for name in _designed_drift_gains(rule, numbers):
         if getattr(design, name):
             raise errors.InputError(f"{name} follows from design {rule}; leave it out")
-    if rule in _RULES_WITHOUT_POLES and has_poles:
+    if has_poles and rule in _RULES and rule not in _PLACED_PAIRS:
         raise errors.InputError(f"design {rule} takes no natural_frequency and no damping")
     for name in _PLACED_PAIRS.get(rule, ()):  # numbers of the pole pairs that the rule places
         if name not in numbers and name in _FREQUENCIES:
