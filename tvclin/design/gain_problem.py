@@ -23,7 +23,7 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import band_margins
-from tvclin.control.margins.criteria import Criteria, Criterion
+from tvclin.control.margins.criteria import Criteria, Criterion, Judgement
 from tvclin.control.margins.margins import MARGINS, Margins, margins_of
 from tvclin.flights.closed_loop.checks import check_sample_rate
 from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT, SURVIVED, fly_many
@@ -222,11 +222,7 @@ class GainProblem:
         # delay margins, which take longer, where a criterion limits them
         margins = margins_of(loop.analysis(delays=self.criteria.has_delay_limit), loop.batch)
         fractions = [np.full(len(points), -np.inf)]
-        fractions += [
-            shortfall(criterion, getattr(margins, criterion.margin))
-            for criterion in self.criteria.limits
-            if criterion.margin in MARGINS  # of the whole loop
-        ]
+        fractions += [-judged.relative_surplus for judged in self.judge_loop(margins)]
         if self.crossover is not None:  # upper limit of the gain crossover [rad/s]
             with np.errstate(over="ignore"):  # with a denormal crossover
                 fractions.append(highest_crossover(margins) / self.crossover - 1.0)
@@ -236,6 +232,11 @@ class GainProblem:
         if self.plant.structure is not None and good.size and self._mode_limits:
             shortfalls[good] = np.maximum(shortfalls[good], self._mode_shortfalls(points[good]))
         return np.asarray(shortfalls)
+
+    def judge_loop(self, margins: Margins) -> tuple[Judgement, ...]:
+        """Return the judgements of `margins` of the whole loop, not of its modes."""
+        criteria = self.criteria.without_mode_limits
+        return () if criteria is None else criteria.judge(margins)
 
     @property
     def _mode_limits(self) -> tuple[Criterion, ...]:
@@ -255,9 +256,7 @@ class GainProblem:
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
         for verdict in replace(self.criteria, limits=self._mode_limits).judge(bands):
-            # the surplus relative to the limit, which may be zero
-            surplus = np.asarray(verdict.surplus) / max(verdict.criterion.limit, 1e-9)
-            worst = np.maximum(worst, np.nan_to_num(-surplus, nan=_UNSTABLE))
+            worst = np.maximum(worst, np.nan_to_num(-verdict.relative_surplus, nan=_UNSTABLE))
         return worst
 
 
@@ -271,16 +270,6 @@ def _checked_winds(winds: Any) -> tuple[History, ...]:
         errors.ending("wind", wind.end)
         errors.number("the peak of a wind", abs(float(wind.peak)), errors.positive, "rad")
     return checked
-
-
-def shortfall(criterion: Criterion, value: Any) -> FloatArray:
-    """Return the relative shortfall of a margin of n loops, ``(n,)``; negative where satisfied.
-
-    `criterion`: limit of the margin. `value`: the margin, ``(n,)``, in the unit of the limit.
-    """
-    # A limit of zero would divide by it.
-    fraction = (criterion.limit - np.asarray(value)) / max(criterion.limit, 1e-9)
-    return np.asarray(-fraction if criterion.is_upper_limit else fraction)
 
 
 def highest_crossover(margins: Margins) -> FloatArray:

@@ -28,7 +28,6 @@ from tvclin.design.gain_problem import (
     GainProblem,
     highest_crossover,
     required_limits,
-    shortfall,
 )
 from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.flexible import AnyPlant
@@ -130,18 +129,13 @@ class UnsatisfiedCriteriaError(InputError):
         """The nearest gains, and the margin of theirs whose relative shortfall is largest."""
         problem, autopilot = self.args
         margins = loop_margins(autopilot.exact_loop(problem.plant))
-        shortfalls = [
-            (float(shortfall(criterion, getattr(margins, criterion.margin))), criterion)
-            for criterion in problem.criteria.limits
-            if criterion.margin in MARGINS
-        ]
-        # NaN, of a margin that is not defined, counts as the largest shortfall
-        fraction, worst = max(shortfalls, key=lambda pair: np.nan_to_num(pair[0], nan=np.inf))
+        judged = problem.judge_loop(margins)
+        worst = min(judged, key=lambda judgement: float(judgement.relative_surplus), default=None)
         if not margins.stable:
             words = "are unstable"
-        elif fraction > 0.0:
-            (label, _, _), (limit, unit) = MARGINS[worst.margin], worst.shown
-            value = unit_factor(unit) * getattr(margins, worst.margin)
+        elif worst is not None and not worst.satisfied:
+            (label, _, _), (limit, unit) = MARGINS[worst.criterion.margin], worst.criterion.shown
+            value = unit_factor(unit) * worst.value
             words = f"have {label} {value:.4g} where {limit:.4g} {unit}".rstrip() + " is required"
         else:
             words = "miss the required margins of modes or the crossover"
@@ -480,10 +474,9 @@ def _active(problem: GainProblem, margins: Margins, deflections: FloatArray) -> 
     `margins`: of the loop of the problem. `deflections`: in each wind [rad], ``(winds,)``.
     """
     active = [
-        criterion.margin
-        for criterion in problem.criteria.limits
-        if criterion.margin in MARGINS  # of the whole loop, not of a mode
-        and abs(shortfall(criterion, getattr(margins, criterion.margin))) < _RELATIVE_TOLERANCE
+        judged.criterion.margin
+        for judged in problem.judge_loop(margins)
+        if abs(judged.relative_surplus) < _RELATIVE_TOLERANCE
     ]
     largest = problem.crossover  # largest crossover frequency [rad/s] that is permitted
     if largest is not None and highest_crossover(margins) > (1.0 - _RELATIVE_TOLERANCE) * largest:

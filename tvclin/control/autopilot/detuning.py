@@ -348,10 +348,7 @@ def _critical_margins(
     margins of the whole loops, ``(count,)``; the name for a loop that is not stable is "unstable".
     """
     judged = criteria.judge(margins)
-    limits = [max(j.criterion.limit, np.finfo(float).tiny) for j in judged]  # not zero
-    surplus = np.stack(
-        [np.broadcast_to(j.surplus, count) / limit for j, limit in zip(judged, limits, strict=True)]
-    )
+    surplus = np.stack([np.broadcast_to(j.relative_surplus, count) for j in judged])
     critical = np.argmin(np.where(np.isnan(surplus), np.inf, surplus), axis=0)
     names = [j.criterion.margin + (f" of {j.band}" if j.band else "") for j in judged]
     stable = np.broadcast_to(loops.stable, count)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +22,9 @@ from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.criteria import CRITERIA, Criteria, Judgement
 from tvclin.control.margins.loop import Loop, poles_in_s
 from tvclin.control.margins.margins import MARGINS, Margins, margins_of, unit_factor
-from tvclin.linear.flexible import AnyPlant, FlexiblePlant, named_modes
+from tvclin.linear.flexible import AnyPlant, FlexiblePlant, named_modes, plant_of
 from tvclin.linear.plant import DEFAULT_MODEL, Plant
-from tvclin.vehicle.vehicle import Vehicle, at_pressure
+from tvclin.vehicle.vehicle import at_pressure
 
 _COLUMNS = ("aero_margin_dB", "gain_increase_dB", "phase_margin_deg", "disk_margin")
 """Margins of the whole loop in a CSV."""
@@ -36,15 +36,15 @@ class WorstMargin(NamedTuple):
     """Margin with the smallest surplus over a sweep.
 
     `margin`: name of the margin, with its mode and `change`. `value`: in the unit of the criterion;
-    NaN for an unstable loop. `time`: time of flight [s]. `surplus`: distance from the limit.
-    `satisfied`: whether the criterion is satisfied at all times. `change`: of a mode, as
-    "first x 0.9"; empty for the nominal loop.
+    NaN for an unstable loop. `time`: time of flight [s]. `relative_surplus`: distance from the
+    limit over the limit; minus infinity for an unstable loop. `satisfied`: whether the criterion is
+    satisfied at all times. `change`: of a mode, as "first x 0.9"; empty for the nominal loop.
     """
 
     margin: str
     value: float
     time: float
-    surplus: float
+    relative_surplus: float
     satisfied: bool
     change: str
 
@@ -137,10 +137,10 @@ class Sweep(Tabled):
             unit, key = judged.criterion.unit, f"sweep.worst.{k}"
             value: Line = ("-",)
             time: Line = ("-",)
-            if not np.isinf(worst.surplus):  # infinite: no mode has this margin; NaN: unstable
+            if worst.relative_surplus < np.inf:  # infinite: no mode has this margin
                 value = number(f"{key}.value", worst.value, 2, unit)
                 time = significant(f"{key}.time", worst.time)
-            if np.isnan(worst.surplus):
+            if np.isneginf(worst.relative_surplus):
                 value = ("unstable",)
             limit = significant(f"{key}.limit", judged.criterion.limit, 4, unit)
             rows.append(((worst.margin,), value, time, limit, (satisfaction(worst.satisfied),)))
@@ -162,11 +162,11 @@ class Sweep(Tabled):
             return f"{head} at {count}"
         pairs = zip(self.worst, self._judged, strict=True)  # smallest surplus, and its criterion
         missed = [(worst, judged) for worst, judged in pairs if not worst.satisfied]
-        worst, judged = min(missed, key=lambda pair: _surplus_over_limit(pair[0].surplus, pair[1]))
+        worst, judged = min(missed, key=lambda pair: pair[0].relative_surplus)
         limit, unit = judged.criterion.shown
         shown = text(number("value", unit_factor(unit) * worst.value, 2, unit))
         of_all = f"(NOT MET at {np.sum(~self.satisfied)} of {count})"
-        if np.isnan(worst.surplus):
+        if np.isneginf(worst.relative_surplus):
             shown = "the loop is unstable" + f" with {worst.change}" * bool(worst.change)
             return f"{head}, {shown} at {worst.time:.4g} s {of_all}"
         against = f"limit {limit:g} {unit}".rstrip()
@@ -226,10 +226,10 @@ class Sweep(Tabled):
         }
         if self.detuned_judgements:
             ratios = [
-                _surplus_over_limit(np.reshape(judged.surplus, (-1, self.times.size)), judged)
+                np.reshape(judged.relative_surplus, (-1, self.times.size))
                 for judged in self.detuned_judgements
             ]
-            lowest = np.concatenate(ratios).min(axis=0)
+            lowest = np.concatenate(ratios).min(axis=0)  # NaN for an unstable loop
             # Margin over limit is one plus the surplus over the limit.
             columns["detuned"] = np.where(np.isinf(lowest), np.nan, 1.0 + lowest)
         return columns
@@ -278,16 +278,6 @@ def _margin_column(name: str, values: FloatArray) -> Column:
     return Column(name, np.asarray(values))
 
 
-def _surplus_over_limit(surplus: Any, judged: Judgement) -> Any:
-    """Return a margin's surplus, its distance from the limit, as a ratio to the limit.
-
-    Minus infinity for an unstable loop, whose surplus is NaN. `judged`: judgement by a criterion,
-    which has the limit; a limit of zero counts as 1.
-    """
-    limit = judged.criterion.limit or 1.0
-    return np.where(np.isnan(surplus), -np.inf, np.asarray(surplus) / limit)
-
-
 def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",)) -> WorstMargin:
     """Return the margin with the smallest surplus over flight times and detuned modes.
 
@@ -295,17 +285,16 @@ def _worst(judged: Judgement, times: FloatArray, changes: tuple[str, ...] = ("",
     ``(..., n)``. `times`: flight times [s], ``(n,)``. `changes`: names of the changes of modes, one
     for each value of the leading axis; one empty name for the nominal loop.
     """
-    surplus = np.asarray(judged.surplus, float).reshape(-1, times.size)
-    values = np.asarray(judged.value, float).reshape(-1, times.size)
-    smallest = int(np.argmin(np.where(np.isnan(surplus), -np.inf, surplus)))
+    surplus = np.nan_to_num(judged.relative_surplus, nan=-np.inf, posinf=np.inf)
+    smallest = int(np.argmin(surplus))
     row, column = divmod(smallest, times.size)  # of a change and a time
     # the label of a margin of the loop, or the name of a margin of modes
     label, *_ = MARGINS.get(judged.criterion.margin, (judged.criterion.name,))
     return WorstMargin(
         margin=", ".join(filter(None, [label, judged.band, changes[row]])),
-        value=float(values[row, column]),
+        value=float(np.ravel(judged.value)[smallest]),
         time=float(times[column]),
-        surplus=float(surplus[row, column]),
+        relative_surplus=float(np.ravel(surplus)[smallest]),
         satisfied=bool(np.all(judged.satisfied)),
         change=changes[row],
     )
@@ -323,14 +312,7 @@ def plants_along(
     `model`, `plane`: model and plane of the motion. `pressure`: dynamic pressure over the nominal
     one, q/q_n, ``(n,)``.
     """
-    return plants_of(at_pressure(flight.at(times), pressure), model, plane)
-
-
-def plants_of(vehicle: Vehicle, model: str, plane: str) -> AnyPlant:
-    """Return the plants of vehicles on a model in a plane, flexible where they have a structure."""
-    if vehicle.structure is None:
-        return Plant.from_vehicle(vehicle, model, plane)
-    return FlexiblePlant.from_vehicle(vehicle.rigid, vehicle.structure, model, plane)
+    return plant_of(at_pressure(flight.at(times), pressure), model, plane)
 
 
 def sweep(

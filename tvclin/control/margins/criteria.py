@@ -124,6 +124,11 @@ class Judgement(Record):
     band: str = field(default="", metadata=spec(of=lambda judged: judged.band or None))
 
     @property
+    def relative_surplus(self) -> Any:
+        """Surplus as a ratio to the limit; to one for a limit of zero."""
+        return np.asarray(self.surplus) / (self.criterion.limit or 1.0)
+
+    @property
     def shortfall(self) -> Line:
         """Text on a margin of one loop that misses its limit, as "phase 3 deg short".
 
@@ -255,7 +260,7 @@ class Criteria:
                     " place of margins"
                 )
             else:
-                judgements += [_judge_mode(criterion, loop, mode) for mode in modes]
+                judgements += [_judge(criterion, loop, mode) for mode in modes]
         return tuple(judgements)
 
     def are_satisfied(self, margins: Margins | BandMargins) -> Any:
@@ -270,32 +275,23 @@ def _changed(base: Criteria, limits: tuple[Criterion, ...]) -> Criteria:
     return Criteria(f"{base.name}, with {changes}", limits, base) if changes else base
 
 
-def _judge(criterion: Criterion, margins: Margins) -> Judgement:
-    """Return the judgement by `criterion` of a margin of the whole loop.
+def _judge(criterion: Criterion, loop: Margins, mode: ModeBand | None = None) -> Judgement:
+    """Return the judgement by `criterion` of a margin of a whole `loop`, or of one of its modes.
 
-    `margins`: of one loop or a batch, by attribute. NaN, of an unstable loop, never satisfies it.
+    `loop`: margins of one loop or a batch. NaN, of an unstable loop, never satisfies a criterion.
+    Where a `mode` has no such margin, as it is stabilised otherwise, its value is NaN and the
+    surplus infinite.
     """
-    value = np.asarray(getattr(margins, criterion.margin), dtype=float)
+    if mode is None:
+        value = np.asarray(getattr(loop, criterion.margin), dtype=float)
+    else:
+        value = np.where(loop.stable, getattr(mode, _MODE_MARGINS[criterion.margin]), np.nan)
     surplus = value - criterion.limit
     surplus = -surplus if criterion.is_upper_limit else surplus
-    satisfied = plain_bool(surplus >= 0.0)
-    return Judgement(criterion, plain(value), plain(surplus), satisfied)
-
-
-def _judge_mode(criterion: Criterion, loop: Margins, mode: ModeBand) -> Judgement:
-    """Return the judgement by `criterion` of a margin of one `mode` of a `loop`, or of a batch.
-
-    Where the mode has no such margin, as it is stabilised otherwise, its value is NaN and the
-    surplus infinite; both are NaN, and it is not satisfied, where the loop is not stable. `loop`:
-    margins of the whole loop.
-    """
-    # the attribute gain_margin_dB or phase_margin_deg, NaN for a mode stabilised otherwise
-    value = np.asarray(getattr(mode, _MODE_MARGINS[criterion.margin]), dtype=float)
-    value = np.where(loop.stable, value, np.nan)
-    applies = np.asarray(loop.stable) & ~np.isnan(value)
-    surplus = np.where(applies, value - criterion.limit, np.where(loop.stable, np.inf, np.nan))
-    satisfied = plain_bool((surplus >= 0.0)[()])
-    return Judgement(criterion, plain(value), plain(surplus), satisfied, band=mode.name)
+    if mode is not None:
+        surplus = np.where(loop.stable & np.isnan(value), np.inf, surplus)[()]
+    band = "" if mode is None else mode.name
+    return Judgement(criterion, plain(value), plain(surplus), plain_bool(surplus >= 0.0), band)
 
 
 def plain_bool(array: Any) -> Any:

@@ -15,7 +15,6 @@ from tvclin.base import errors
 from tvclin.base.arrays import AnyArray, FloatArray, IntArray, Storage
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along, gains_along
-from tvclin.control.autopilot.sweep import plants_of
 from tvclin.flights.closed_loop.batch import samples_in
 from tvclin.flights.closed_loop.checks import check_delays, check_sample_rates, check_samples
 from tvclin.flights.closed_loop.fly_many import UNDECIDED, FlownCases, flown_cases, unstable_loops
@@ -24,7 +23,7 @@ from tvclin.flights.closed_loop.sampled import finish
 from tvclin.flights.closed_loop.stages import Stages
 from tvclin.kernels.choice import repeated
 from tvclin.kernels.flight_arrays import Flights
-from tvclin.linear.flexible import AnyPlant
+from tvclin.linear.flexible import AnyPlant, plant_of
 from tvclin.numerics.chebyshev import Surface
 
 SIMILAR_RUNS = 4
@@ -141,7 +140,7 @@ class FlownFlights:
         # model and plane are those of all flights
         first, schedules = self.flights[0], [flight.flight for flight in self.flights]
         vehicles = vehicles_at(schedules, self._within(times), which, pressure)
-        return plants_of(vehicles, first.model, first.plane)
+        return plant_of(vehicles, first.model, first.plane)
 
     def pressure_at(self, times: FloatArray, which: IntArray) -> FloatArray:
         """Return the dynamic pressure q/q_n encountered at n times [s] of flights, ``(n,)``.
