@@ -33,7 +33,6 @@ from tvclin.control.autopilot.wiring import (
     open_loop,
     rational_loop,
     sampled_loop,
-    with_diagram,
 )
 from tvclin.control.margins.bands import BandMargins, band_margins
 from tvclin.control.margins.loop import Loop
@@ -167,6 +166,26 @@ class Autopilot(Feedback):
     Gains, delay and actuator may be arrays, which broadcast with each other and with a batch of
     plants: gains over the flight, or a thousand dispersed loops. `loop` and `close` take one loop.
 
+    ::
+
+        attitude_command                          deflection_disturbance               wind
+               | -                                                    |                  |
+               v     +-----------+                                    |                  v
+         +-->( + )-->| a0 + aI/s |--+                                 |              +-------+
+         |           +-----------+  v     +-------+   +----------+    v              |       |
+         |  +------->|    a1     |>(+)-x->| delay |-->| actuator |-->(+)-deflection->| plant |
+         |  |        +-----------+  ^     +-------+   +----------+                   |       |
+         |  |  +---->|    b0     |--+                                                +-------+
+         |  |  |     +-----------+  ^                                                  | | | |
+         |  |  |  +->| d1, d0, g |--+                                                  | | | |
+         |  |  |  |  +-----------+                                                     | | | |
+         |  |  |  +------------------------- drift and acceleration -------------------+ | | |
+         |  |  +---------------------------- angle_of_attack ----------------------------+ | |
+         |  +------------------------------- attitude_rate --------------------------------+ |
+         +---------------------------------- attitude ---------------------------------------+
+
+         x  deflection_command: loop() is broken here, and L is minus what returns
+
     Parameters
     ----------
     attitude_gain : array_like
@@ -222,11 +241,8 @@ class Autopilot(Feedback):
     array([-1.047+1.073j, -1.047-1.073j])
     """
 
-    @with_diagram
     def loop(self, plant: AnyPlant) -> control.StateSpace:
-        """Return the loop L, broken at the deflection command.
-
-        LOOP_DIAGRAM
+        """Return the loop L of `Autopilot`, broken at the deflection command.
 
         Parameters
         ----------
@@ -262,11 +278,8 @@ class Autopilot(Feedback):
         # L is minus the returned command
         return replace(loop, C=0.0 - loop.C, D=0.0 - loop.D).to_control(f"{plant.model} loop")
 
-    @with_diagram
     def close(self, plant: AnyPlant) -> control.StateSpace:
-        """Return the plant with this autopilot around it.
-
-        LOOP_DIAGRAM
+        """Return the plant with this autopilot around it, the closed loop of `Autopilot`.
 
         Parameters
         ----------

@@ -1,8 +1,8 @@
 """The loop of an autopilot around a plant: state space, polynomials, and difference equations.
 
-All three forms wire the blocks of `LOOP_DIAGRAM`; tests compare them with each other. The sampled
-loop is exact: at t_k = k h the law reads the outputs y_k, and its command reaches the actuator one
-delay later and is held (zero-order hold); vehicle, actuator and sensor lags become
+All three forms wire the blocks that the docstring of `Autopilot` shows; tests compare them. The
+sampled loop is exact: at t_k = k h the law reads the outputs y_k, and its command reaches the
+actuator one delay later and is held (zero-order hold); vehicle, actuator and sensor lags become
 `LinearSystem.to_steps`. Filters become difference equations by the bilinear rule, each exact at its
 own frequency; the integral is that of the held samples. With z = (1 + w h/2)/(1 - w h/2) the
 sampled L(z) is a rational function of w, with the same values at w = j nu, nu = (2/h) tan(omega
@@ -12,11 +12,9 @@ Workman, Digital Control of Dynamic Systems).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from inspect import cleandoc
-from textwrap import indent
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -34,38 +32,6 @@ from tvclin.numerics import polynomials, state_space
 from tvclin.numerics.loops import StateLoop
 from tvclin.numerics.state_space import Matrices, pade_delay
 from tvclin.vehicle.filters import Filter
-
-_Documented = TypeVar("_Documented", bound=Callable[..., Any])
-
-LOOP_DIAGRAM = """\
-attitude_command                          deflection_disturbance               wind
-       | -                                                    |                  |
-       v     +-----------+                                    |                  v
- +-->( + )-->| a0 + aI/s |--+                                 |              +-------+
- |           +-----------+  v     +-------+   +----------+    v              |       |
- |  +------->|    a1     |>(+)-x->| delay |-->| actuator |-->(+)-deflection->| plant |
- |  |        +-----------+  ^     +-------+   +----------+                   |       |
- |  |  +---->|    b0     |--+                                                +-------+
- |  |  |     +-----------+  ^                                                  | | | |
- |  |  |  +->| d1, d0, g |--+                                                  | | | |
- |  |  |  |  +-----------+                                                     | | | |
- |  |  |  +------------------------- drift and acceleration -------------------+ | | |
- |  |  +---------------------------- angle_of_attack ----------------------------+ | |
- |  +------------------------------- attitude_rate --------------------------------+ |
- +---------------------------------- attitude ---------------------------------------+
-
- x  deflection_command: loop() is broken here, and L is minus what returns"""
-
-
-def with_diagram(documented: _Documented) -> _Documented:
-    """Return a function, with the word LOOP_DIAGRAM in its docstring replaced by the diagram.
-
-    For use as a decorator; the docstring is changed in place.
-    """
-    text = cleandoc(documented.__doc__ or "")
-    documented.__doc__ = text.replace("LOOP_DIAGRAM", "::\n\n" + indent(LOOP_DIAGRAM, "    "))
-    return documented
-
 
 COMMAND, RETURNED = "deflection_command", "returned_command"
 DISTURBANCES = ("wind", "attitude_command", "deflection_disturbance")

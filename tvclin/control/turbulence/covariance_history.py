@@ -142,22 +142,6 @@ class CovarianceHistory(GaussianOutputs):
         """
         return float(np.trapezoid(self.crossing_rate(limit, output), self.times))
 
-    def crossing_rate(self, limit: float, output: str = DEFLECTION) -> FloatArray:
-        """Return the expected crossings [1/s] of +-limit by an output at the times, ``(n,)``.
-
-        `InputError` for an unknown output, one that jumps, and a limit that is not positive.
-        """
-        return self._crossing_rates(limit, output)
-
-    def exceedance(self, limit: float, output: str = DEFLECTION) -> FloatArray:
-        """Return the probability of ``|output| > limit`` at the times, ``(n,)``.
-
-        `limit`: in the SI unit of the output. A nozzle with this deflection limit has that fraction
-        less gain in Gaussian motion. `InputError` for an unknown output and a limit that is not
-        positive.
-        """
-        return self._exceedances(limit, output)
-
     def time_fraction(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the expected fraction of the time in which ``|output|`` is above a limit.
 

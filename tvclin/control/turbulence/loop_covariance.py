@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,27 +53,49 @@ _MAX_FREQUENCY = 1e9
 class GaussianOutputs(Shown):
     """Outputs of a linear loop at n times, Gaussian, with mean and covariance of its states.
 
-    `_signals`: outputs by name, with rows of the states. `_moments`: mean and covariance.
+    `_signals`: each output y = row x + direct alpha_w by name, of the states x and the known wind
+    alpha_w [rad]: row ``(states,)`` and direct term ``()``, or with n leading times. `_moments`:
+    mean and covariance of the states, the mean being the response to the known wind.
     """
 
     outputs: tuple[str, ...]
     _signals: Mapping[str, Signal]
     _moments: Moments
 
-    def _row(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct term of an `output` y = row x + direct alpha_w.
+    def crossing_rate(self, limit: float, output: str = DEFLECTION) -> Any:
+        """Return the expected crossings [1/s] of +limit up and -limit down at the times, ``(n,)``.
 
-        x: states of the loop; alpha_w: known wind [rad]. Shapes ``(states,)`` and ``()``, or with
-        leading n times. `InputError` for an unknown output.
+        `InputError` for an unknown output, one that jumps, and a limit, in the SI unit of the
+        output, that is not positive.
         """
+        bound = number("limit", limit, positive)
+        (row, direct), (rate_row, rate_direct) = self._row(output), self._rate(output)
+        deviation, rate_deviation = self._deviation_of(row), self._deviation_of(rate_row)
+        product = np.maximum(deviation * rate_deviation, np.finfo(float).tiny)  # no 0/0
+        correlation = self._covariance_of(row, rate_row) / product
+        mean, rate_mean = self._mean_of(row, direct), self._mean_of(rate_row, rate_direct)
+        return crossing_rate(bound, mean, deviation, rate_mean, rate_deviation, correlation)
+
+    def exceedance(self, limit: float, output: str = DEFLECTION) -> Any:
+        """Return the probability of ``|output| > limit`` at the times, ``(n,)``.
+
+        `limit`: in the SI unit of the output. A nozzle with this deflection limit has that fraction
+        less gain in Gaussian motion. `InputError` for an unknown output and a limit that is not
+        positive.
+        """
+        bound = number("limit", limit, positive)
+        row, direct = self._row(output)
+        return exceedance(bound, self._mean_of(row, direct), self._deviation_of(row))
+
+    def _row(self, output: str) -> tuple[FloatArray, FloatArray]:
+        """Return row and direct term of an `output`; `InputError` for an unknown one."""
         row, direct, _ = self._signals[one_of("output", output, self.outputs)]
         return row, direct
 
     def _rate(self, output: str) -> tuple[FloatArray, FloatArray]:
-        """Return row and direct term of the rate of an `output`, y' = row x + direct alpha_w.
+        """Return row and direct term of the rate of an `output`.
 
-        x: states of the loop; alpha_w: known wind [rad]. Shapes ``(states,)`` and ``()``, or with
-        leading n times. `InputError` for an unknown output, and for one that jumps.
+        `InputError` for an unknown output, and for one that jumps.
         """
         _, _, rate = self._signals[one_of("output", output, self.outputs)]
         if rate is None:
@@ -84,61 +107,27 @@ class GaussianOutputs(Shown):
         return rate
 
     def _mean_of(self, row: FloatArray, direct: FloatArray) -> FloatArray:
-        """Return the mean of row x + direct alpha_w at the n times, ``(n,)``.
-
-        x: states of the loop; alpha_w: known wind [rad]. `row`: of an output, ``(states,)`` or
-        ``(n, states)``. `direct`: its direct term, ``()`` or ``(n,)``.
-        """
+        """Return the mean of an output with this `row` and `direct` term at the times, ``(n,)``."""
         means, wind = self._moments.means, self._moments.wind
         return np.asarray(np.sum(row * means, axis=-1) + direct * wind)
 
     def _deviation_of(self, row: FloatArray) -> FloatArray:
-        """Return the standard deviation of row x at the n times, ``(n,)``.
-
-        x: states of the loop. `row`: of an output, ``(states,)`` or ``(n, states)``.
-        """
+        """Return the standard deviation of an output with this `row` at the times, ``(n,)``."""
         return np.asarray(np.sqrt(np.maximum(self._covariance_of(row, row), 0.0)))
 
     def _covariance_of(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Return the covariance of two outputs at the n times, ``(n,)``.
-
-        `first`, `second`: the rows r of these outputs, r x with the states x of the loop,
-        ``(states,)`` or ``(n, states)``.
-        """
+        """Return the covariance of outputs with the rows `first` and `second`, ``(n,)``."""
         covariances = self._moments.covariances
         first, second = (np.broadcast_to(row, covariances.shape[:-1]) for row in (first, second))
         return np.asarray(np.einsum("ki,kij,kj->k", first, covariances, second))
 
     def _absolute_rates(self, output: str) -> FloatArray:
-        """Return the expected size of the rate, E|y'|, of an `output` y at the n times, ``(n,)``.
+        """Return the expected size of the rate, E|y'|, of an `output` y at the times, ``(n,)``.
 
         In the SI unit of the output per second. `InputError` for an output that jumps.
         """
         row, direct = self._rate(output)
         return mean_absolute(self._mean_of(row, direct), self._deviation_of(row))
-
-    def _crossing_rates(self, limit: float, output: str) -> FloatArray:
-        """Return an output's expected crossings [1/s] at each of n times, ``(n,)``.
-
-        Crossings of +limit up and of -limit down add. `limit`: in the SI unit of the output.
-        """
-        bound = number("limit", limit, positive)
-        (row, direct), (rate_row, rate_direct) = self._row(output), self._rate(output)
-        deviation, rate_deviation = self._deviation_of(row), self._deviation_of(rate_row)
-        product = np.maximum(deviation * rate_deviation, np.finfo(float).tiny)  # no 0/0
-        correlation = self._covariance_of(row, rate_row) / product
-        mean, rate_mean = self._mean_of(row, direct), self._mean_of(rate_row, rate_direct)
-        return crossing_rate(bound, mean, deviation, rate_mean, rate_deviation, correlation)
-
-    def _exceedances(self, limit: float, output: str) -> FloatArray:
-        """Return the probability of ``|output| > limit`` at each of the n times, ``(n,)``.
-
-        `limit`: in the SI unit of the output. The output is Gaussian: its mean is the response to
-        the known wind alpha_w, its deviation comes from turbulence, which is in the states x.
-        """
-        bound = number("limit", limit, positive)
-        row, direct = self._row(output)  # output = row x + direct alpha_w
-        return exceedance(bound, self._mean_of(row, direct), self._deviation_of(row))
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +212,7 @@ class LoopCovariance(GaussianOutputs):
         With samples it is the mean over times within a sample. `InputError` for an unknown output,
         one that jumps, and a limit that is not positive.
         """
-        return float(self._weights @ self._crossing_rates(limit, output))
+        return float(self._weights @ super().crossing_rate(limit, output))
 
     def exceedance(self, limit: float, output: str = DEFLECTION) -> float:
         """Return the fraction of time in which ``|output|`` is above a limit.
@@ -234,7 +223,7 @@ class LoopCovariance(GaussianOutputs):
         the loop is linear no more, see `tvclin.ensembles.fly_turbulence`. `InputError` for an
         unknown output and a limit that is not positive.
         """
-        return float(self._weights @ self._exceedances(limit, output))
+        return float(self._weights @ super().exceedance(limit, output))
 
     def probability_of_none(self, limit: float, duration: float, output: str = DEFLECTION) -> float:
         """Return the probability that an output stays within +-limit for a duration [s].
