@@ -170,22 +170,13 @@ def gain_trade_off(
     designs += [None] * (margins.size - len(designs))
     trim = problem.trims.max()  # largest trim [rad] of the winds, without drift
     relative = [np.inf if design is None else design.deflection / trim for design in designs]
-    return GainTradeOff(margins, np.array(relative), tuple(designs), _limits(gains))
-
-
-def _limits(gains: MinimumGains) -> dict[str, float]:
-    """Return the boundaries and the minimum in the worst wind of `gains`, over the largest trim.
-
-    By label: the report's boundary for each K of `DEAD_BANDS`, the largest of all winds of the
-    problem, and the minimum peak of appendix C, of a control that knows the wind.
-    """
-    problem, plant = gains.problem, gains.problem.plant.rigid
-    trim, limits = problem.trims.max(), {}
+    plant, limits = problem.plant.rigid, {}
     for K in DEAD_BANDS:
         values: Any = [boundary_limit(plant, wind, K).deflection for wind in problem.winds]
         limits[f"boundary, K = {K:g}"] = float(np.max(np.abs(values)) / trim)
-    minimum = max(float(optimum_deflection(plant, wind).peak) for wind in problem.winds)
-    return limits | {WIND_KNOWN: minimum / trim}
+    peaks = [float(optimum_deflection(plant, wind).peak) for wind in problem.winds]
+    limits[WIND_KNOWN] = max(peaks) / trim
+    return GainTradeOff(margins, np.array(relative), tuple(designs), limits)
 
 
 @dataclass(frozen=True, eq=False)

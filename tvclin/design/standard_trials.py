@@ -6,6 +6,7 @@ Every wind has the same peak and is measured by the duration of the triangle it 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
@@ -290,8 +291,14 @@ def _trial(
     boundary = closed_loop_boundary(plant, flown_law, history, **options)
     alpha, attitude = np.nan, np.nan
     if loads and np.isfinite(boundary.limit):
-        limit = _LOAD_LIMIT_RATIO * abs(boundary.deflection)
-        alpha, attitude = _loads(plant, flown_law, history, limit, flown)
+        start, end = float(history.onset), float(history.end)
+        times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)
+        flown = {"deflection_limit": _LOAD_LIMIT_RATIO * abs(boundary.deflection), **flown}
+        outputs = flight_responses(plant, flown_law, history, times, **flown)
+        peak = abs(float(history.peak))
+        alpha, attitude = (
+            float(np.abs(outputs[name]).max()) / peak for name in ("angle_of_attack", "attitude")
+        )
     return LawTrial(
         law=law_name,
         wind=wind_name,
@@ -306,22 +313,6 @@ def _trial(
         peak_angle_of_attack=alpha,
         peak_attitude=attitude,
     )
-
-
-def _loads(
-    plant: AnyPlant, law: Law, wind: History, limit: float, flown: dict[str, Any]
-) -> tuple[float, float]:
-    """Return the largest angle of attack and attitude of a flight, relative to the peak wind.
-
-    `plant`, `law`, `wind`: they are flown. `limit`: deflection limit [rad]. `flown`: sample rate
-    and hardware of `flight_responses`.
-    """
-    start, end = float(wind.onset), float(wind.end)
-    times = np.linspace(start, end + 0.5 * (end - start), _LOAD_POINTS)
-    outputs = flight_responses(plant, law, wind, times, deflection_limit=limit, **flown)
-    alpha, attitude = (np.abs(outputs[name]).max() for name in ("angle_of_attack", "attitude"))
-    peak = abs(float(wind.peak))
-    return float(alpha) / peak, float(attitude) / peak
 
 
 LEGEND = f"Any law, {NO_FORECAST}: {QUANTITIES[NO_FORECAST]}; - where the wind changes its sign."
@@ -344,19 +335,18 @@ def bounds(plant: Plant, winds: Mapping[str, History]) -> dict[str, Bounds]:
     The first holds for laws without a forecast that survive the wind even if it stops at any
     instant, the second is the minimum peak of any control. `winds`: by name.
     """
-
-    def bounds_in(wind: History) -> Bounds:
-        """Return trim [deg] in a wind, and lower bounds of the limit of every law over trim.
-
-        The first bound is without a forecast of the wind, the second of a control that knows it.
-        """
+    bounds_of = {}
+    for name, wind in winds.items():
         trim = abs(float(plant.coefficients.B * wind.peak))
-        # The control of the known wind may begin at time 0, ahead of a later onset.
-        peak = _defined(lambda: optimum_deflection(plant, wind, min(0.0, float(wind.onset))).peak)
-        free = _defined(lambda: float(forecast_free_limit(plant, wind).limit))
-        return Bounds(float(np.degrees(trim)), free, peak / trim if trim else np.nan)
-
-    return {name: bounds_in(wind) for name, wind in winds.items()}
+        no_forecast = minimum = np.nan  # where a theorem refuses the wind
+        with suppress(InputError):
+            # The control of the known wind may begin at time 0, ahead of a later onset.
+            optimum = optimum_deflection(plant, wind, min(0.0, float(wind.onset)))
+            minimum = optimum.peak / trim if trim else np.nan
+        with suppress(InputError):
+            no_forecast = float(forecast_free_limit(plant, wind).limit)
+        bounds_of[name] = Bounds(float(np.degrees(trim)), no_forecast, minimum)
+    return bounds_of
 
 
 def limit_tables(
@@ -411,11 +401,17 @@ def load_table(trials: Sequence[LawTrial]) -> Table:
     the law requires. `trials`: one of each law in each wind.
     """
     laws = tuple(dict.fromkeys(trial.law for trial in trials))
-    winds = dict.fromkeys(trial.wind for trial in trials)
-    by_name = {(trial.wind, trial.law): trial for trial in trials}
-    rows = tuple(((wind,), *(_load_cell(by_name[wind, law]) for law in laws)) for wind in winds)
+    rows: dict[str, list[Line]] = {trial.wind: [(trial.wind,)] for trial in trials}
+    for trial in trials:
+        cell: Line = ("-",)
+        if trial.limit <= trial.highest:  # else without a boundary
+            key = f"loads.{trial.wind}.{trial.law}"
+            angle = number_cell(f"{key}.angle_of_attack", trial.peak_angle_of_attack, 2)
+            cell = (*angle, "/", *number_cell(f"{key}.attitude", trial.peak_attitude, 2))
+        rows[trial.wind].append(cell)
     caption = "Largest angle of attack / attitude over the wind, with 1.2 times that limit"
-    return Table(caption, ("wind", *(law.replace("-", " ") for law in laws)), rows)
+    head = ("wind", *(law.replace("-", " ") for law in laws))
+    return Table(caption, head, tuple(map(tuple, rows.values())))
 
 
 def scan_text(trials: Sequence[LawTrial]) -> str:
@@ -467,29 +463,9 @@ def _limit(key: str, trial: LawTrial, scale: float) -> Line:
     return (*shown, mark) if mark else shown
 
 
-def _load_cell(trial: LawTrial) -> Line:
-    """Return largest angle of attack and attitude of a trial, over the peak wind, in one cell.
-
-    A dash without a boundary: the limit is then infinite, above the highest that was tried.
-    """
-    if trial.limit > trial.highest:
-        return ("-",)
-    key = f"loads.{trial.wind}.{trial.law}"
-    angle = number_cell(f"{key}.angle_of_attack", trial.peak_angle_of_attack, 2)
-    return (*angle, "/", *number_cell(f"{key}.attitude", trial.peak_attitude, 2))
-
-
 def _doubtful(trial: LawTrial) -> bool:
     """Return whether the status of a trial's boundary needs a note below the table.
 
     No note is needed for "ok", nor where all or none of the limits survive, which the cell shows.
     """
     return trial.status not in (OK, NEVER, ALWAYS)
-
-
-def _defined(value: Callable[[], float]) -> float:
-    """Return the value of a function, NaN where it raises `InputError`."""
-    try:
-        return value()
-    except InputError:
-        return float("nan")

@@ -39,6 +39,7 @@ from tvclin.linear.modes import select_unstable
 from tvclin.nozzle.duty import NozzleDuty, Work
 from tvclin.requirement.flight.flight_turbulence import FlightTurbulence
 from tvclin.requirement.flight.sizing import flight_times
+from tvclin.vehicle.linear_vehicle import FIXED_PATH
 
 _RELATIVE_TOLERANCE = 1e-12
 """Excess of a requirement, relative to what is available, that counts as rounding."""
@@ -429,8 +430,6 @@ class FlightDuty(Shown):
 
 _PAIR = "two unstable poles are a pair, for which no test of loss is known"
 """Reason for a complex pair of unstable poles."""
-_FIXED_PATH = "fixed-path"
-"""Model without drift, in which there is no pair."""
 
 
 def flight_reason(plant: AnyPlant, status: str) -> str:
@@ -469,8 +468,8 @@ def unjudged_flights(law: str, points: Iterable[DutyPoint], model: str) -> Itera
             remedies.append(f"--from {min(judged):.6g} omits these times")
         elif judged and min(unjudged) > max(judged):
             remedies.append(f"--to {max(judged):.6g} omits these times")
-        if reason == _PAIR and model != _FIXED_PATH:
-            remedies.append(f"--model {_FIXED_PATH} judges them without drift")
+        if reason == _PAIR and model != FIXED_PATH:  # without drift there is no pair
+            remedies.append(f"--model {FIXED_PATH} judges them without drift")
         winds = list(dict.fromkeys(point.wind for point in affected))
         where = winds[0] if len(winds) == 1 else f"{len(winds)} winds"
         remedy = f" ({', '.join(remedies)})" if remedies else ""

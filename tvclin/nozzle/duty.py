@@ -109,11 +109,6 @@ class Motion:
             weights=weights,
         )
 
-    @property
-    def steps(self) -> FloatArray:
-        """Lengths of the steps [s], ``(n,)``."""
-        return np.diff(self.times)
-
     def between(self, start: float, stop: float) -> Self | None:
         """Return the motion from `start` to `stop` [s]; None where it has fewer than two steps.
 
@@ -423,7 +418,7 @@ def duty_of_motion(
     over which the steady rate is a mean. `nozzle`: engine and hinge, None without torque.
     `vehicle`: None on a bench.
     """
-    t, delta, rate, steps = motion.times, motion.deflection, motion.rate, motion.steps
+    t, delta, rate = motion.times, motion.deflection, motion.rate
     width = min(window, float(t[-1] - t[0]))
     turning = rate[np.abs(rate) > AT_REST * np.abs(rate).max()]  # its changes of sign: reversals
     # The deflection is straight between the times, so that its mean rate over a window is largest
@@ -437,7 +432,7 @@ def duty_of_motion(
     at_stop = None
     if limit is not None:
         at_limit = np.abs(delta) >= limit * (1.0 - _STOP_TOLERANCE)
-        at_stop = float(steps[at_limit[1:] & at_limit[:-1]].sum())
+        at_stop = float(np.diff(t)[at_limit[1:] & at_limit[:-1]].sum())
     return NozzleDuty(
         angle=largest(delta, t),
         rate=largest(rate, motion.at),

@@ -176,26 +176,18 @@ def flown_trade_offs(
     names = tuple(errors.one_of("laws", name, LAWS) for name in errors.different("laws", laws))
     errors.within("cuts", errors.whole_number("cuts", cuts), 0, 1000)
     minima = {key: _minimum(case, rates) for key, case in cases.items()}
-    total = len(names) * sum(minimum.rates.size for minimum in minima.values())
     _check_samples(cases, minima, len(names) * (cuts + 1))
-    done = 0
+    flights = [(key, name, float(r)) for key in cases for name in names for r in minima[key].rates]
 
-    def advanced(winds: int, total_winds: int) -> None:
-        """Report progress, of `total` boundaries: `done` ones, and a fraction of the present one.
-
-        Of that `winds` of `total_winds` winds are flown.
-        """
+    def report(finished: int, winds: int, total_winds: int) -> None:
+        """Report progress: `finished` boundaries, and `winds` of `total_winds` of the next one."""
         if progress is not None:
-            progress(done + winds / total_winds, total)
+            progress(finished + winds / total_winds, len(flights))
 
-    def flown(case: Case, name: str, rate: float) -> ClosedLoopBoundary:
-        """Return the minimum limit of a law, by `name`, in a case at a rate limit [rad/s].
-
-        Limits up to three times the largest trim deflection are flown through the wind, and through
-        it with `cuts` sudden ends. It counts as one of the boundaries `done`, of which `advanced`
-        reports the progress.
-        """
-        nonlocal done
+    boundaries: dict[str, dict[str, list[ClosedLoopBoundary]]]
+    boundaries = {key: {name: [] for name in names} for key in cases}
+    for finished, (key, name, rate) in enumerate(flights):
+        case = cases[key]
         boundary = closed_loop_boundary(
             case.plant,
             specified_law(case, name, rate),
@@ -203,30 +195,20 @@ def flown_trade_offs(
             **case.hardware | {"rate_limit": rate},
             cuts=cuts,
             highest=_MAX_LIMIT_TRIM_RATIO,
-            progress=advanced,
+            progress=partial(report, finished),
         )
-        done += 1
-        advanced(0, 1)  # no wind yet of the next boundary
-        return boundary
-
-    def answer(case: Case, minimum: RateTradeOff) -> FlownTradeOff:
-        """Return the flown trade-off of all laws, `names`, in a case.
-
-        `minimum`: lower bounds of theory, whose `rates` [rad/s] are flown. A boundary is monotone
-        if every limit flown below it is lost. `cuts`: number of sudden ends of the wind.
-        """
-        boundaries = {name: [flown(case, name, float(r)) for r in minimum.rates] for name in names}
-        return FlownTradeOff(
-            minimum=minimum,
-            limits={name: np.abs([x.deflection for x in row]) for name, row in boundaries.items()},
-            monotone={
-                name: np.array([x.monotone for x in row]) for name, row in boundaries.items()
-            },
+        boundaries[key][name].append(boundary)
+        report(finished, 1, 1)
+    return {
+        key: FlownTradeOff(
+            minimum=minima[key],
+            limits={name: np.abs([x.deflection for x in row]) for name, row in by_law.items()},
+            monotone={name: np.array([x.monotone for x in row]) for name, row in by_law.items()},
             cuts=cuts,
-            unknown_wind=case.unknown_wind,
+            unknown_wind=cases[key].unknown_wind,
         )
-
-    return {key: answer(case, minima[key]) for key, case in cases.items()}
+        for key, by_law in boundaries.items()
+    }
 
 
 def _check_samples(

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base import errors
-from tvclin.base.arrays import ComplexArray, FloatArray
+from tvclin.base.arrays import FloatArray
 from tvclin.control.autopilot.actuator import positive_in_range
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import Feedback
@@ -127,16 +127,12 @@ def relief_gains(
 
     Parameters
     ----------
-    plant : Plant, FlexiblePlant, vehicle or Coefficients
-        Of one vehicle or of a batch, stable or not.
-    natural_frequency, damping : array_like
-        Of the closed loop on a fixed path [rad/s] and [-], positive.
+    plant, natural_frequency, damping, **options
+        Same parameters as `design_gains`.
     alpha_ratio : array_like
         Magnitude of alpha/alpha_w when the attitude has settled in a steady wind and the flight
         path has not yet changed, zero or positive. Pure attitude hold has 1 + mu_alpha/omega_n^2 =
         a0/(a0 - B), above one, B being trim deflection per angle of attack.
-    **options
-        The other arguments of `Autopilot`: actuator, delay, and so on.
 
     Raises
     ------
@@ -170,10 +166,8 @@ def half_relief_gains(plant: PlantOrVehicle, **options: Any) -> Autopilot:
 
     Parameters
     ----------
-    plant : Plant, FlexiblePlant, vehicle or Coefficients
-        Of one aerodynamically unstable vehicle or of a batch.
-    **options
-        The other arguments of `Autopilot`: actuator, delay, and so on.
+    plant, **options
+        Same parameters as `canonical_gains`.
 
     Raises
     ------
@@ -232,11 +226,8 @@ def drift_minimum_gains(
     ----------
     plant : Plant, FlexiblePlant, vehicle or Coefficients
         Of one vehicle or of a batch, with b1 and b2, and mu_alpha other than zero.
-    natural_frequency, damping : array_like
-        Of the closed loop on a fixed path [rad/s] and [-], positive; the frequency not below that
-        of an aerodynamically stable vehicle without autopilot.
-    **options
-        The other arguments of `Autopilot`: actuator, delay, and so on.
+    natural_frequency, damping, **options
+        Same parameters as `load_minimum_gains`.
 
     Raises
     ------
@@ -516,8 +507,7 @@ def drift_gains(
     drift_frequency, drift_damping : float
         Of the slower pair [rad/s] and [-], positive.
     **options
-        The other arguments of `Autopilot`: actuator, delay, and so on. They are not designed for:
-        look at the margins.
+        Same parameters as `lqr_gains`.
 
     Raises
     ------
@@ -540,11 +530,16 @@ def drift_gains(
     speed = _speed(plant)
     if plant.batch:
         raise errors.InputError(f"drift_gains is for one plant; got a batch of shape {plant.batch}")
-    pairs = (
-        ("natural_frequency", natural_frequency, "damping", damping),
-        ("drift_frequency", drift_frequency, "drift_damping", drift_damping),
+    frequencies = (
+        errors.number("natural_frequency", natural_frequency, positive_in_range, "rad/s"),
+        errors.number("drift_frequency", drift_frequency, positive_in_range, "rad/s"),
     )
-    poles = np.concatenate([_pair(*pair) for pair in pairs])
+    ratios = (
+        errors.number("damping", damping, positive_in_range),
+        errors.number("drift_damping", drift_damping, positive_in_range),
+    )
+    pairs = zip(frequencies, ratios, strict=True)
+    poles = np.array([np.roots([1.0, 2.0 * zeta * w, w**2]) for w, zeta in pairs], complex).ravel()
     system = LateralSensors(drift=True).system(plant)
     # States attitude, its rate, flight path angle, and drift over speed [s], of about one size.
     scale = np.array([1.0, 1.0, 1.0, float(speed)])
@@ -637,13 +632,3 @@ def _speed(plant: Plant) -> FloatArray:
         raise errors.InputError(f"drift needs a plant drift or drift-exact; got {plant.model}")
     plant.lateral_rows("drift_rate", 0.0)  # raises without a speed
     return np.asarray(plant.coefficients.velocity)
-
-
-def _pair(name: str, frequency: float, damping_name: str, damping: float) -> ComplexArray:
-    """Return the two poles [1/s] of a natural frequency [rad/s] and a damping ratio.
-
-    `name`, `damping_name`: names of the two arguments, for messages.
-    """
-    w = errors.number(name, frequency, positive_in_range, "rad/s")
-    ratio = errors.number(damping_name, damping, positive_in_range)
-    return np.roots([1.0, 2.0 * ratio * w, w**2]).astype(complex)
