@@ -116,6 +116,19 @@ def test_a_survivor_is_shown_until_the_limit_is_let_go_and_its_flight_does_not_e
     assert "the flight ends" in lost.output
 
 
+def test_a_limit_that_survives_below_one_that_is_lost_is_not_sufficient_and_says_why():
+    """A wind that turns round: drift-minimum survives with 0.2 deg, and not with 0.3."""
+    turning = ("gust.peak_deg=-10", "gust.duration_s=3.75", "gust.peak_time_s=5.6")
+    design = ("--law", "autopilot", "--design", "drift-minimum", "--natural-frequency", 1)
+    arguments = (*design, *(word for key in turning for word in ("--set", key)), "--limit-deg")
+    result = run(*arguments, 0.2)
+    assert result.exit_code == 1
+    assert result.stdout.startswith(
+        "Limit 0.2 deg: NOT SUFFICIENT, a larger limit is lost; this flight SURVIVED with 0.200"
+    )
+    assert "NOT SUFFICIENT; NOT SURVIVED with 0.300" in run(*arguments, 0.3).stdout
+
+
 def test_peaks_of_a_lost_flight_are_until_its_end_and_the_linear_ones_over_the_whole_wind():
     options = ("--limit-deg", 0.1)
     computed, plant, times = document(*options, code=1), linear(), np.linspace(0.0, 7.5, 2001)

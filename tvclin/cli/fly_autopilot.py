@@ -526,8 +526,13 @@ class AutopilotFlight:
         elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):
             uses = f"{degrees(worst.peak_deflection):.3f} deg in a wind of {worst.duration:.3g} s"
             word += f" in this wind; without a limit the autopilot uses {uses}"
-        flown = "" if self.flight is None else f"; {self.flight.verdict}"
-        return f"limit {limit:g} deg: {word}{flown}"
+        if self.flight is None:
+            return f"limit {limit:g} deg: {word}"
+        if self.sufficient is False and self.flight.flight.survived:
+            word += ", a larger limit is lost; this flight"
+        else:
+            word += ";"
+        return f"limit {limit:g} deg: {word} {self.flight.verdict}"
 
     @property
     def _requirement(self) -> str:
