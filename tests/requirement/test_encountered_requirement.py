@@ -343,6 +343,18 @@ def test_a_gust_too_long_to_be_followed_is_not_searched_for_its_worst_time(confi
         search(np.array([2.0]))
 
 
+def test_a_gust_whose_worst_time_is_not_known_leaves_the_requirement_unknown(configuration_i):
+    """A gust at an end of the wind lasts longer than can be followed, and may require more."""
+    gust = tv.OneMinusCosineGust(peak=np.radians(0.5), duration=300.0)
+    given = {"duration": 3300.0, "peak": np.radians(2.0), "gust": gust, "limit": np.radians(1.0)}
+    middle, free = (
+        tv.Study.from_vehicle(configuration_i, **given, gust_at=at) for at in (1650.0, None)
+    )
+    assert middle.sufficient is True
+    assert free.sufficient is None
+    assert "the worst time of the gust is not known: varying parameters can" in free.unknown
+
+
 def test_the_survivable_peak_of_a_wind_with_a_gust_is_of_both_together(configuration_i) -> None:
     gust = tv.winds.OneMinusCosineGust(peak=np.radians(1), duration=2.0)
     wind = ShapedWind("triangular", np.radians(5), 7.5, gust=gust, gust_at=3.75)

@@ -209,23 +209,36 @@ class Case:
         gust are returned as they are. A gust keeps a time of its own, and one against the wind is
         in the wind's middle. `dead_band`: K, the vehicle is trimmed up to K times the limit.
         """
+        wind, _ = self.placed_wind(dead_band)
+        return wind
+
+    def placed_wind(
+        self, dead_band: float
+    ) -> tuple[ShapedWind | FixedWind | WindEnsemble | History, str]:
+        """Return the result of `wind_in_plane_at`, and why its gust may not be at the worst time.
+
+        The reason is empty where that time is known; else the gust is at the worst time for the
+        nominal dynamic pressure, or in the wind's middle. `dead_band`: K.
+        """
         wind = self.wind
         if isinstance(wind, VehicleWind):
-            return wind.history(self.vehicle, self.plane)
+            return wind.history(self.vehicle, self.plane), ""
         if not isinstance(wind, ShapedWind):
-            return wind
+            return wind, ""
         if wind.heading is not None:
             vehicle = complete_vehicle(self.vehicle, "a wind with a direction")
             wind = wind.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
         gust = wind.gust
         if gust is None or wind.gust_at is not None or float(gust.peak) * wind.peak < 0.0:
-            return wind
-        return replace(wind, gust_at=self._worst_gust_time(wind, dead_band))
+            return wind, ""
+        time, reason = self._worst_gust_time(wind, dead_band)
+        return replace(wind, gust_at=time), reason
 
-    def _worst_gust_time(self, wind: ShapedWind, dead_band: float) -> float | None:
-        """Return the time [s] of the middle of the gust at which most is required, or None.
+    def _worst_gust_time(self, wind: ShapedWind, dead_band: float) -> tuple[float | None, str]:
+        """Return the time [s] of the middle of the gust at which most is required, and a reason.
 
-        None where no limit is defined, nothing is required, or the vehicle is a batch.
+        The time is None where nothing is required, it is not known, or the vehicle is a batch. The
+        reason says why it is not known at the dynamic pressure that counts; empty where it is.
 
         `wind`: the wind in the plane, with a gust. `dead_band`: K, the vehicle is trimmed up to K
         times the limit.
@@ -234,20 +247,25 @@ class Case:
 
         plant = Plant.from_vehicle(self.vehicle, self.model, self.plane)
         if plant.batch:
-            return None
+            return None, ""
+        searches = [gust_time.nominal_requirements_by_time(plant, wind, dead_band)]
         directions = self.directions()
         if directions and not isinstance(self.vehicle, LinearVehicle):
             assert isinstance(self.wind, ShapedWind)
-            time = gust_time.worst_gust_time(
-                wind,
-                gust_time.encountered_requirements_by_time(
-                    self.vehicle, self.model, self.plane, self.wind, directions, dead_band
-                ),
+            encountered = gust_time.encountered_requirements_by_time(
+                self.vehicle, self.model, self.plane, self.wind, directions, dead_band
             )
-            if time is not None:
-                return time
-        nominal = gust_time.nominal_requirements_by_time(plant, wind, dead_band)
-        return gust_time.worst_gust_time(wind, nominal)
+            searches.insert(0, encountered)
+        reason = ""
+        for search in searches:
+            try:
+                time = gust_time.worst_gust_time(wind, search)
+            except InputError as error:
+                reason = reason or str(error)
+            else:
+                if time is not None:
+                    return time, reason
+        return None, reason
 
     @property
     def history(self) -> History:

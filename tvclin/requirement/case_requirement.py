@@ -309,7 +309,7 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     limit_shape = (
         None if case.nozzle.limit_shape is None else limit_shape_of(case.nozzle.limit_shape)
     )
-    in_plane, planes = case.wind_in_plane_at(K), None  # its gust is at the worst time for K
+    (in_plane, unplaced), planes = case.placed_wind(K), None  # its gust at the worst time for K
     assert isinstance(in_plane, ShapedWind)
     if wind.heading is not None:
         vehicle = complete_vehicle(case.vehicle, "a wind with a direction")
@@ -340,6 +340,9 @@ def case_requirement(case: Case, dead_band: float = 1.0) -> CaseRequirement:
     )
     if not np.isfinite(required.deflection):
         return need
+    if unplaced:  # the requirement with the gust at another time may be too small
+        reason = f"the worst time of the gust is not known: {unplaced}"
+        return replace(need, encountered_unknown=reason)
     try:
         return replace(need, encountered=_encountered(need))
     except InputError as error:

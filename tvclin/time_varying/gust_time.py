@@ -10,12 +10,11 @@ aerodynamics is worse than all others: what is required there is not known.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 
 import numpy as np
 
 from tvclin.base.arrays import FloatArray
-from tvclin.base.errors import InputError
+from tvclin.base.errors import NotKnownError
 from tvclin.boundary.limit import boundary_limit
 from tvclin.boundary.open_loop import open_loop_requirements
 from tvclin.kernels.choice import repeated
@@ -104,9 +103,10 @@ def encountered_requirements_by_time(
 def worst_gust_time(wind: ShapedWind, required: RequirementsByTime) -> float | None:
     """Return the time [s] of the middle of a gust with the largest requirement.
 
-    None where no limit is defined, or nothing is required. Of several times at which the
-    requirement is infinite, or not known, the first. `wind`: with the gust; the search goes from
-    its beginning to its end. `required`: required deflections [rad] by time of the gust.
+    None where nothing is required. Of several times at which the requirement is infinite, the
+    first. `InputError` where the requirement of any time is not defined or not known. `wind`: with
+    the gust; the search goes from its beginning to its end. `required`: required deflections [rad]
+    by time of the gust.
     """
     gust = wind.gust
     assert gust is not None
@@ -115,14 +115,16 @@ def worst_gust_time(wind: ShapedWind, required: RequirementsByTime) -> float | N
     steps = int(np.clip(steps, _MIN_STEPS, _MAX_STEPS))
     times = np.linspace(0.0, wind.duration, steps + 1)
     # the scan and its refinements: similar runs, which decide between compiled and plain code
-    with suppress(InputError), repeated(1 + _REFINEMENTS):
+    with repeated(1 + _REFINEMENTS):
         scan = required(times)
-        if np.any(np.isnan(scan)) or scan.max() == 0.0:
-            return None
+        if np.any(np.isnan(scan)):
+            time = times[int(np.isnan(scan).argmax())]
+            raise NotKnownError(f"what a gust at {time:.4g} s requires is not known")
         best = int(scan.argmax())
+        if scan[best] == 0.0:
+            return None
         if np.isinf(scan[best]):
             return float(times[best])
         low, high = times[max(best - 1, 0)], times[min(best + 1, steps)]
         time, refined = grid_minimum(lambda time: -required(time), low, high, _REFINEMENTS)
         return float(time if -refined > scan[best] else times[best])
-    return None
