@@ -45,6 +45,19 @@ def test_frozen_vehicles_require_what_the_exact_theory_says(
         assert computed == pytest.approx(exact, abs=FOURTH_ORDER * trim)
 
 
+def test_a_short_gust_in_a_long_wind_has_short_steps_of_its_own(configuration_i) -> None:
+    """A gust of a fiftieth of a second in a wind of two minutes, beside the exact theory."""
+    gust = tv.OneMinusCosineGust(peak=np.radians(1.0), duration=0.02)
+    wind = tv.TriangularWind(peak=np.radians(3.0), duration=120.0) + gust.shift(58.0)
+    plant = tv.Plant.from_vehicle(configuration_i, "fixed-path")
+    equations = Equations.frozen(configuration_i.rigid, "fixed-path", "pitch")
+    trim = abs(float(plant.coefficients.B * wind.peak))
+    for dead_band in (1.0, 0.5):
+        exact = abs(float(tv.required_deflection(plant, wind, dead_band).deflection))
+        computed = varying_requirement(equations, NominalWind(wind), dead_band).required[0]
+        assert computed == pytest.approx(exact, abs=FOURTH_ORDER * trim)
+
+
 @pytest.mark.parametrize(
     ("model", "cells"), usual([("drift-exact", 2e-5), ("drift-and-speed", 6e-4)], 0)
 )

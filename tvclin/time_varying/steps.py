@@ -76,7 +76,7 @@ def step_counts(wind: History, motion: Motion) -> tuple[FloatArray, FloatArray]:
     """
     knots = _breakpoints(wind, motion)
     widths = np.diff(knots, axis=-1)
-    fastest = _fastest(wind, motion)[:, np.newaxis]
+    fastest = _fastest(wind, motion, knots)
     with np.errstate(invalid="ignore"):  # a calm has no breakpoints
         counts = np.maximum(np.ceil(widths * fastest / STEP), _MIN_STEPS)
         quarter = 2.0 ** np.floor(np.log2(counts)) / 4.0  # a quarter of the power of two below
@@ -84,11 +84,21 @@ def step_counts(wind: History, motion: Motion) -> tuple[FloatArray, FloatArray]:
     return knots, counts
 
 
-def _fastest(wind: History, motion: Motion) -> FloatArray:
-    """Return the fastest rate [1/s] of n winds and the motion that sets their steps, ``(n,)``."""
-    # complex rates s [1/s] of the terms e^(s t) between the breakpoints of the wind
-    rates = _WIND_RATE_FACTOR * np.abs(wind.pieces.rates).max(axis=-1, initial=0.0)
-    return np.maximum(motion.fastest, np.ravel(rates))
+def _fastest(wind: History, motion: Motion, knots: FloatArray) -> FloatArray:
+    """Return the fastest rate [1/s] that sets the steps between k + 1 breakpoints, ``(n, k)``.
+
+    It is that of n winds there and of the motion. `knots`: breakpoints [s] of both, ``(n, k + 1)``.
+    """
+    # complex rates s [1/s] of the terms e^(s t) of each piece of the wind, zero where it has none
+    terms = np.any(wind.pieces.coefficients != 0.0, axis=-1)
+    rates = np.where(terms, np.abs(wind.pieces.rates)[..., np.newaxis, :], 0.0)
+    by_piece = _WIND_RATE_FACTOR * rates.max(axis=-1, initial=0.0)  # [1/s]
+    by_piece = by_piece.reshape(-1, by_piece.shape[-1])
+    begins = wind.knots.reshape(-1, 1, wind.knots.shape[-1])
+    middles = 0.5 * (knots[:, 1:] + knots[:, :-1])[..., np.newaxis]
+    piece = np.maximum(np.sum(begins <= middles, axis=-1) - 1, 0)  # in which each middle lies
+    rows = np.broadcast_to(by_piece, (len(piece), by_piece.shape[-1]))
+    return np.maximum(motion.fastest[:, np.newaxis], np.take_along_axis(rows, piece, axis=-1))
 
 
 def _breakpoints(wind: History, motion: Motion) -> FloatArray:
@@ -124,7 +134,7 @@ def _interval_times(wind: History, motion: Motion, parts: float) -> list[FloatAr
     knots, counts = step_counts(wind, motion)
     # of each wind by itself: the largest numbers of all intervals may add up to several times more
     if not np.all(counts.sum(axis=-1) <= MAX_STEPS):
-        shortest, lasts = 1.0 / _fastest(wind, motion).max(), np.max(wind.end - wind.onset)
+        shortest, lasts = 1.0 / _fastest(wind, motion, knots).max(), np.max(wind.end - wind.onset)
         raise InputError(
             f"varying parameters can be followed for at most {MAX_STEPS * STEP:.4g} times"
             f" {shortest:.4g} s, the time of the fastest motion or gust; this wind lasts"
