@@ -215,7 +215,7 @@ ALL_LAWS = ("--law", "all", "--wind", "triangular")
                 ),
                 *("--from", "70", "--to", "71"),
             ],
-            "for at most 2000 times",
+            "for at most 20000 steps",
         ),
     ],
 )

@@ -133,12 +133,13 @@ def _interval_times(wind: History, motion: Motion, parts: float) -> list[FloatAr
     """
     knots, counts = step_counts(wind, motion)
     # of each wind by itself: the largest numbers of all intervals may add up to several times more
-    if not np.all(counts.sum(axis=-1) <= MAX_STEPS):
-        shortest, lasts = 1.0 / _fastest(wind, motion, knots).max(), np.max(wind.end - wind.onset)
+    taken = counts.sum(axis=-1)
+    if not np.all(taken <= MAX_STEPS):
+        lasts, shortest = np.max(wind.end - wind.onset), STEP / _fastest(wind, motion, knots).max()
         raise InputError(
-            f"varying parameters can be followed for at most {MAX_STEPS * STEP:.4g} times"
-            f" {shortest:.4g} s, the time of the fastest motion or gust; this wind lasts"
-            f" {lasts:.4g} s: check the moment of inertia and the forces, or shorten the wind"
+            f"varying parameters can be followed for at most {MAX_STEPS} steps; this wind, which"
+            f" lasts {lasts:.4g} s, takes {np.max(taken):.6g}, the shortest of them {shortest:.4g}"
+            " s: check the moment of inertia and the forces, or shorten the wind"
         )
     counts = counts.max(axis=0)
     widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
