@@ -184,10 +184,8 @@ class NominalFlight:
         l_c the control force per deflection times the control arm. The report has no damping M_q;
         the nose comes down in a gravity turn, which it resists.
         """
-        speed, path, altitude = self.states(t)
-        speed_rate, path_rate, _ = self.rates(
-            np.asarray(t, dtype=float), np.stack([speed, path, altitude])
-        )
+        speed, path, _ = states = self.states(t)
+        speed_rate, path_rate, _ = self.rates(t, states)
         # the derivative of gamma' = -g cos(gamma)/V
         path_acceleration = STANDARD_GRAVITY * (
             np.sin(path) * path_rate / speed + np.cos(path) * speed_rate / speed**2

@@ -108,7 +108,14 @@ class FlightSchedule(Shown):
                 )
         notes = errors.each("notes", self.notes, str, "one for each remark")
         object.__setattr__(self, "notes", tuple(errors.text("notes", note) for note in notes))
-        _check_structure(self.structure, times)
+        if self.structure is not None:
+            errors.instance("structure", self.structure, StructureSchedule, "see load_structure")
+            first, last = self.structure.span
+            if first > times[0] or last < times[-1]:
+                raise errors.InputError(
+                    f"the structure must be known over the whole flight, {times[0]:.6g} to"
+                    f" {times[-1]:.6g} s; got {first:.6g} to {last:.6g} s"
+                )
 
     def _checked_actuator(self) -> dict[str, FloatArray]:
         """Check and set frequency [rad/s] and damping of the actuator; return them by name."""
@@ -354,19 +361,6 @@ class FlightSchedule(Shown):
         _speed, _path, altitude = flight.states(times)
         return cls(
             flight.vehicle_at(times), nominal_deflection=flight.deflection(times), altitude=altitude
-        )
-
-
-def _check_structure(structure: StructureSchedule | None, times: FloatArray) -> None:
-    """Raise `InputError` for a structure that is not known at all times [s] of a flight."""
-    if structure is None:
-        return
-    errors.instance("structure", structure, StructureSchedule, "see load_structure")
-    first, last = structure.span
-    if first > times[0] or last < times[-1]:
-        raise errors.InputError(
-            f"the structure must be known over the whole flight, {times[0]:.6g} to"
-            f" {times[-1]:.6g} s; got {first:.6g} to {last:.6g} s"
         )
 
 

@@ -1,3 +1,4 @@
+from .closed_loop.flown_flights import survival_limit_along as survival_limit_along
 from .closed_loop.flown_margins import FlownMargin as FlownMargin
 from .closed_loop.flown_margins import FlownMargins as FlownMargins
 from .closed_loop.flown_margins import flown_margins as flown_margins
@@ -13,7 +14,6 @@ from .closed_loop.fly_planes import FlownPlanes as FlownPlanes
 from .closed_loop.fly_planes import flown_plane_limit as flown_plane_limit
 from .closed_loop.fly_planes import fly_planes as fly_planes
 from .closed_loop.fly_planes_along import fly_planes_along as fly_planes_along
-from .closed_loop.limit_along import survival_limit_along as survival_limit_along
 from .closed_loop.survival_limit import BoundaryMap as BoundaryMap
 from .closed_loop.survival_limit import ClosedLoopBoundary as ClosedLoopBoundary
 from .closed_loop.survival_limit import boundary_map as boundary_map

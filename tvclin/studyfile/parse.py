@@ -45,7 +45,6 @@ from tvclin.winds.wind_file import (
     gust_of,
     is_wind_from_gust,
     is_wind_measured,
-    peak_speed_of,
     wind_for_vehicle,
     wind_tables,
     wind_values,
@@ -173,7 +172,8 @@ def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:
         )
     pulses = [] if is_wind_measured(document) else winds_of(document, folder)
     others = pulses[1:]
-    if (speed := peak_speed_of(document)) is not None:
+    speed = next((wind.speed for wind in pulses if isinstance(wind, ShapedWind)), None)
+    if speed is not None:
         if others and "peak_speed" not in options:
             raise InputError(
                 "on a flight all pulses have one speed: give peak_speed_m_per_s in [size], or"
@@ -232,11 +232,11 @@ def _gust(document: Mapping[str, Any], plane: str) -> GustOf | None:
     """Return the gust of [gust] in a document, on top of a sounding in a plane; None without it."""
     if "gust" not in document:
         return None
-    values, speed = wind_values(GUST_TABLE, GUST_TABLE.one(document)), _gust_speed(document)
+    values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
     if "peak_time" in values:
         raise InputError("peak_time_s in [gust] is of a wind of one shape; a sounding has its own")
     gust = gust_of(values["peak"], values["duration"], values.get("plateau", 0.0))
-    return gust if speed is None else GustOfSpeed(gust, speed, plane)
+    return gust if values["speed"] is None else GustOfSpeed(gust, values["speed"], plane)
 
 
 def _gust_speed(document: Mapping[str, Any]) -> float | None:

@@ -124,18 +124,34 @@ class SampledWind(History):
 
     def __post_init__(self) -> None:
         """Check the samples, and set them to arrays; `InputError` as the class says."""
-        time, angle = (
-            errors.finite("time", self.time, "s"),
-            errors.finite("angle", self.angle, "rad"),
-        )
+        time = errors.finite("time", self.time, "s")
+        angle = errors.finite("angle", self.angle, "rad")
         if time.ndim != 1 or time.size < 2 or angle.ndim < 1 or angle.shape[-1] != time.size:
             raise errors.InputError(
                 "time must hold two or more samples and angle one for each along its last axis;"
                 f" got time of shape {time.shape} and angle of shape {angle.shape}"
             )
-        _check_sample_times(time)
+        step = np.diff(time)
+        thrice = np.append(False, (step[1:] == 0.0) & (step[:-1] == 0.0))
+        invalid = (step < 0.0) | thrice
+        if np.any(invalid):
+            index = int(np.argmax(invalid)) + 1
+            raise errors.InputError(
+                "time must not decrease, and may stand twice (a jump) but not three times; got"
+                f" {time[index]:.6g} s at index {index}"
+            )
         errors.within("time", time, -MAX_DURATION, MAX_DURATION, "s")
-        _check_sample_angles(time, angle)
+        if np.any(np.abs(angle) >= np.pi / 2):
+            raise errors.InputError(
+                "angle must be a wind within 90 degrees; got a largest size of"
+                f" {errors.in_degrees(np.abs(angle).max())}"
+            )
+        has_wind = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
+        if not np.all(np.any(has_wind & (step > 0.0), axis=-1)):
+            raise errors.InputError(
+                "angle must be a wind that is not zero throughout; got one that is zero wherever"
+                f" time advances, from {time[0]:.6g} s to {time[-1]:.6g} s"
+            )
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "angle", angle)
 
@@ -147,37 +163,6 @@ class SampledWind(History):
         """Return the number of samples and their range of time, as text."""
         time = self.time
         return f"SampledWind({time.size} samples from {time[0]:.6g} s to {time[-1]:.6g} s)"
-
-
-def _check_sample_times(time: FloatArray) -> None:
-    """Raise `InputError` for times [s], ``(n,)``, that decrease, or occur more than twice."""
-    step = np.diff(time)
-    thrice = np.append(False, (step[1:] == 0.0) & (step[:-1] == 0.0))
-    invalid = (step < 0.0) | thrice
-    if np.any(invalid):
-        index = int(np.argmax(invalid)) + 1
-        raise errors.InputError(
-            "time must not decrease, and may stand twice (a jump) but not three times; got"
-            f" {time[index]:.6g} s at index {index}"
-        )
-
-
-def _check_sample_angles(time: FloatArray, angle: FloatArray) -> None:
-    """Raise `InputError` for angles [rad] beyond 90 degrees, and for a wind that is zero.
-
-    `time`, `angle`: sample times [s], ``(n,)``, and wind angles at them, ``(..., n)``.
-    """
-    if np.any(np.abs(angle) >= np.pi / 2):
-        raise errors.InputError(
-            "angle must be a wind within 90 degrees; got a largest size of"
-            f" {errors.in_degrees(np.abs(angle).max())}"
-        )
-    has_wind = (angle[..., :-1] != 0.0) | (angle[..., 1:] != 0.0)
-    if not np.all(np.any(has_wind & (np.diff(time) > 0.0), axis=-1)):
-        raise errors.InputError(
-            "angle must be a wind that is not zero throughout; got one that is zero wherever"
-            f" time advances, from {time[0]:.6g} s to {time[-1]:.6g} s"
-        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -52,11 +52,15 @@ def winds_of(document: Mapping[str, Any], folder: Path) -> list[ShapedWind | Win
     """Return the winds of [wind], or of each [[wind]] except soundings, which need a flight.
 
     `document`: the study file as nested tables. `folder`: where files of winds are searched.
-    Without [wind] the gust of [gust] is the wind. `wind_for_vehicle` replaces peaks that are given
-    as a speed.
+    Without [wind] the gust of [gust] is the wind, one-minus-cosine; a plateau and a time of the
+    peak it has only on top of a wind. `wind_for_vehicle` replaces peaks that are given as a speed.
     """
     if is_wind_from_gust(document):
-        return [_gust_as_wind(document)]
+        values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
+        for name in ("plateau", "peak_time"):
+            if name in values:
+                raise InputError(f"{GUST_TABLE.spelled(name)} of a [gust] needs a [wind] below it")
+        return [ShapedWind("one-minus-cosine", **values)]
     if "wind" not in document:
         raise InputError("[wind] is missing: it gives shape, peak_deg and duration_s")
     tables = _shaped_tables(document)
@@ -76,20 +80,6 @@ def is_wind_from_gust(document: Mapping[str, Any]) -> bool:
     return "gust" in document and not {"wind", "availability"} & document.keys()
 
 
-def peak_speed_of(document: Mapping[str, Any]) -> float | None:
-    """Return the peak speed [m/s] of a study file's wind; None if its peak is given as an angle.
-
-    Of several winds the first one counts that has a shape, not a file or a sounding. `document`:
-    the file as nested tables.
-    """
-    if is_wind_from_gust(document):  # the gust of [gust] is the wind
-        return GUST_TABLE.read(GUST_TABLE.one(document)).get("peak_speed")
-    if "wind" not in document:
-        return None
-    first = next((table for table in _shaped_tables(document) if "file" not in table), {})
-    return WIND_TABLE.read(first).get("peak_speed") if first else None
-
-
 def is_wind_measured(document: Mapping[str, Any]) -> bool:
     """Return whether all winds of [[wind]] are soundings, so that the first is the case's wind.
 
@@ -103,33 +93,20 @@ def _shaped_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
     return [table for table in wind_tables(document) if SOUNDING not in table]
 
 
-def _gust_as_wind(document: Mapping[str, Any]) -> ShapedWind:
-    """Return the [gust] of a study file, `document`, as a wind of the shape one-minus-cosine.
-
-    `InputError` for a plateau or a time of the peak, which a gust has only on top of a wind.
-    """
-    values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
-    for name in ("plateau", "peak_time"):
-        if name in values:
-            raise InputError(f"{GUST_TABLE.spelled(name)} of a [gust] needs a [wind] below it")
-    return ShapedWind("one-minus-cosine", **values)
-
-
 def wind_values(table: FileTable, row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values [SI] of a table of a wind without its peak speed.
+    """Return the values [SI] of a table of a wind, with its peak speed as "speed", or None.
 
-    A peak by its speed has no angle until the vehicle is known: "peak" is then a placeholder [rad],
-    and the caller reads the speed itself. `table`: specification of the keys. `row`: the table in
-    the file. `InputError` unless it has one of both peaks.
+    A peak by its speed has no angle until the vehicle is known: "peak" is then a placeholder [rad].
+    `table`: specification of the keys. `row`: the table in the file. `InputError` unless it has one
+    of both peaks.
     """
     values = table.read(row)
     if ("peak_speed" in values) == ("peak" in values):
         raise InputError(
             f"{table.heading} needs its peak: peak_deg, or peak_speed_m_per_s; keep one"
         )
-    return {"peak": _PLACEHOLDER_PEAK} | {
-        key: value for key, value in values.items() if key != "peak_speed"
-    }
+    speed = values.pop("peak_speed", None)
+    return {"peak": _PLACEHOLDER_PEAK, **values, "speed": speed}
 
 
 def wind_tables(document: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -197,18 +174,16 @@ def wind_for_vehicle(
     `document`: study file as nested tables. `wind`: its wind, of `winds_of`. Speeds become angles
     in a plane by eq (B1e).
     """
-    speed = peak_speed_of(document)
-    if speed is not None and isinstance(wind, ShapedWind):
-        wind = wind.with_speed(speed, complete_vehicle(vehicle, "the speed of a wind"), plane)
+    if isinstance(wind, ShapedWind) and wind.speed is not None:
+        wind = wind.with_speed(wind.speed, complete_vehicle(vehicle, "the speed of a wind"), plane)
     if "gust" not in document or is_wind_from_gust(document):
         return wind
     if isinstance(wind, WindEnsemble):
         raise InputError("[gust] is on top of a wind of one shape; the winds of a file have theirs")
-    table = GUST_TABLE.one(document)
-    values, speed = wind_values(GUST_TABLE, table), GUST_TABLE.read(table).get("peak_speed")
+    values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
     gust = gust_of(values["peak"], values["duration"], values.get("plateau", 0.0))
     wind = replace(wind, gust=gust, gust_at=values.get("peak_time"))
-    if speed is None:
+    if (speed := values["speed"]) is None:
         return wind
     return wind.with_gust_speed(speed, complete_vehicle(vehicle, "the speed of a gust"), plane)
 

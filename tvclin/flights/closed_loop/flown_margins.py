@@ -6,12 +6,12 @@ which the loop becomes unstable in its linear range is computed as well (`sample
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tvclin.base import lines
 from tvclin.base.arrays import BoolArray, FloatArray
@@ -37,6 +37,7 @@ from tvclin.flights.closed_loop.survival_limit import (
     OK,
     STEPS,
     SurvivalLimit,
+    Words,
     closed_loop_boundary,
     limit_above_losses,
     status_in_all_winds,
@@ -343,8 +344,8 @@ def flown_margins(
             f" loop grows with {worst.real:+.3g} 1/s{_REMEDY if is_slow else ''}"
         )
     winds = winds_with_stops(wind, cuts, period)  # the wind, and with a sudden stop at each cut
-    flights = _Flights(plant, law, winds, {"deflection_limit": level, **options})
-    (unchanged,) = flights.survive("gain_rise", np.ones(1))  # status with the gain times one
+    status = partial(_status_of_change, plant, law, winds, {"deflection_limit": level, **options})
+    (unchanged,) = status("gain_rise", np.ones(1))  # with the gain times one
     if unchanged != SURVIVED:
         known = boundary.limit < np.inf
         required_deg = np.degrees(scale * (boundary.limit if known else highest))
@@ -354,7 +355,14 @@ def flown_margins(
     names = ("gain", "effectiveness")
     factors = [factor for name in names for factor in linear_gain_margins(flight, name, pole)]
     linear = dict(zip(CHANGES, (*factors, linear_delay_margin(flight, pole)), strict=True))
-    margins = {name: _margin(flights, name, linear[name], pole) for name in CHANGES}
+    ends = {name: min(_MAX_OVER_LINEAR * linear[name], _MAX_FACTOR) for name in CHANGES}
+    longest = MAX_DELAY_SAMPLES / sample_rate - delay
+    delay_end = _MAX_OVER_LINEAR * min(linear["delay"], _MAX_DELAY_TIMES_POLE / pole)
+    ends["delay"] = min(delay_end, longest)
+    margins = {
+        name: _margin(partial(status, name), partial(_change, name == "delay", end), linear[name])
+        for name, end in ends.items()
+    }
     warnings = [] if boundary.status in (OK, ALWAYS) else [f"boundary: {boundary.status}"]
     if ratio < boundary.limit:
         warnings.append(
@@ -365,69 +373,54 @@ def flown_margins(
     )
 
 
-@dataclass(frozen=True)
-class _Flights:
-    """Flights of one law in several winds, with one quantity changed.
+def _status_of_change(
+    plant: AnyPlant,
+    law: Law,
+    winds: list[History],
+    options: dict[str, Any],
+    name: str,
+    values: FloatArray,
+) -> Words:
+    """Return the status of flights over all winds for each value of a change, ``(n,)``.
 
-    `options`: limits, actuator, sample rate and delay of the unchanged flight, as in `fly_many`.
+    The status is the first other than "survived" in a wind. A rigid vehicle that "rings", in a
+    limit cycle, counts as surviving: that its loop is unstable is in the linear margin. `options`:
+    limits, actuator, sample rate and delay of the unchanged flight, as in `fly_many`. `name`: name
+    of the change, see `CHANGES`. `values`: factors above one, by which a quantity that falls is
+    divided, or further delays [s].
     """
 
-    plant: AnyPlant
-    law: Law
-    winds: list[History]
-    options: dict[str, Any]
+    def status(wind: History, chosen: BoolArray) -> Words:
+        """Return the status of flights in a wind with the `values` at which `chosen` is true."""
+        by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]  # or a delay
+        changed_plant, changes = plant, options
+        if name == "delay":
+            changes = options | {"delay": options["delay"] + by}
+        elif name.startswith("gain"):
+            changes = options | {"gain": by}
+        else:
+            changed_plant = plant.with_effectiveness(by)
+        outcomes = fly_many(changed_plant, law, wind, **changes).status
+        return outcomes if plant.has_modes else np.where(outcomes == RINGS, SURVIVED, outcomes)
 
-    def survive(self, name: str, values: FloatArray) -> NDArray[np.str_]:
-        """Return the status over all winds for each value of a change, ``(n,)``.
-
-        The status is the first other than "survived" in a wind. A rigid vehicle that "rings", in a
-        limit cycle, counts as surviving: that its loop is unstable is in the linear margin. `name`:
-        name of the change, see `CHANGES`. `values`: factors above one, by which a quantity that
-        falls is divided, or further delays [s].
-        """
-
-        def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
-            """Return the status of flights in a wind with the `values` at which `chosen` is true.
-
-            A value changes the delay, the gain of the law or the effectiveness of the deflection,
-            by the name of the change; where that ends in "fall" the quantity is divided by it. All
-            else is as in `options`, the unchanged flight.
-            """
-            plant, options = self.plant, self.options
-            by = 1.0 / values[chosen] if name.endswith("fall") else values[chosen]  # or a delay
-            if name == "delay":
-                options = options | {"delay": options["delay"] + by}
-            elif name.startswith("gain"):
-                options = options | {"gain": by}
-            else:
-                plant = plant.with_effectiveness(by)
-            status = fly_many(plant, self.law, wind, **options).status
-            # a rigid vehicle rings where its linear loop is unstable, which the linear margin says
-            if not self.plant.has_modes:
-                status = np.where(status == RINGS, SURVIVED, status)
-            return status
-
-        return status_in_all_winds(self.winds, status, values.size)
+    return status_in_all_winds(winds, status, values.size)
 
 
-def _margin(flights: _Flights, name: str, linear: float, pole: float) -> FlownMargin:
+def _margin(
+    status: Callable[[FloatArray], Words], change: Callable[[Any], Any], linear: float
+) -> FlownMargin:
     """Return the flown margin of one quantity, by a scan from the largest change to none.
 
-    The scan runs backwards, over the fraction `back` of `_change`, because `limit_above_losses`
-    finds the value above which all survive: here that is the change below which all do. The margin
-    is the smaller of it and the linear margin. `flights`: of the law. `name`: of the change in
-    `CHANGES`. `linear`: linear margin, factor or delay [s]. `pole`: fastest unstable pole [1/s].
+    The scan runs backwards, over the fraction of `_change`, because `limit_above_losses` finds the
+    value above which all survive: here that is the change below which all do. The margin is the
+    smaller of it and the linear margin. `status`: function from changes, factors or delays [s], to
+    the status of their flights. `change`: function from fractions to changes. `linear`: linear
+    margin.
     """
-    if name == "delay":
-        longest = MAX_DELAY_SAMPLES / flights.options["sample_rate"] - flights.options["delay"]
-        end = min(_MAX_OVER_LINEAR * min(linear, _MAX_DELAY_TIMES_POLE / pole), longest)
-    else:
-        end = min(_MAX_OVER_LINEAR * linear, _MAX_FACTOR)
-    change = partial(_change, name == "delay", end)  # from a fraction `back` to factor or delay
     # `back` by field: `scan`, all values, rising; `lost`, that nearest to no change of a flight
     # that does not survive, minus infinity if there is none; `limit`, a last step above `lost`
     back: SurvivalLimit = limit_above_losses(
-        lambda fraction: flights.survive(name, change(fraction)), np.linspace(0.0, 1.0, STEPS + 1)
+        lambda fraction: status(change(fraction)), np.linspace(0.0, 1.0, STEPS + 1)
     )
     loss = np.inf if back.lost == -np.inf else float(change(back.limit))
     value = min(loss, linear)

@@ -177,51 +177,38 @@ def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
     """
     # B, trim deflection per angle of attack, is the scale of the unstable coordinates
     largest_scale = max(float(np.abs(batch.plant.coordinate_scale).max()), 1.0)
-    limit = f.cases.limit[cases]
-    small = _DIFFERENCE_OVER_REACH / largest_scale * limit
+    limits = f.cases.limit[cases]
     slopes = np.zeros((cases.size, MEASURED + f.now.states.shape[1]))
     for index in np.unique(f.cases.law[cases]).tolist():
         numbers, flights = batch.laws.numbers[index], np.flatnonzero(f.cases.law[cases] == index)
-        if numbers is None:
-            slopes[flights] = _slopes_of_law(
-                batch.laws.laws[index], small[flights], limit[flights], slopes.shape[1]
-            )
-            continue
-        different = flights if numbers.leans else flights[:1]
-        rows = [_slopes_of_numbers(numbers, small[i], limit[i], slopes.shape[1]) for i in different]
+        law = batch.laws.laws[index] if numbers is None else numbers
+        different = flights if numbers is None or numbers.leans else flights[:1]
+        steps = _DIFFERENCE_OVER_REACH / largest_scale * limits[different]
+        rows = [
+            _slopes_of(law, small, limit, slopes.shape[1])
+            for small, limit in zip(steps.tolist(), limits[different].tolist(), strict=True)
+        ]
         slopes[flights] = np.array(rows)
     return slopes
 
 
-def _slopes_of_numbers(numbers: LawNumbers, small: float, limit: float, width: int) -> list[float]:
+def _slopes_of(law: LawNumbers | Law, small: float, limit: float, width: int) -> list[float]:
     """Return the derivatives of a demand by measurements and law states, ``(8 + s,)``.
 
     By forward differences: the last of the points in `rows` is the origin, each other one has a
-    single number `small`. `numbers`: numbers of the law. `limit`: deflection limit [rad]. `width`:
-    8 measurements and s states.
+    single number `small`. `law`: numbers of the law, or a law in Python. `limit`: deflection limit
+    [rad]. `width`: 8 measurements and s states.
     """
     rows = (small * np.eye(width + 1, width)).tolist()
-    values = [law_demand(numbers, row[:MEASURED], row[MEASURED:], limit) for row in rows]
+    if isinstance(law, Law):
+        end = MEASURED + len(law.states[0])
+        values = [
+            float(law.demand(Measurement(*row[:MEASURED]), np.array(row[MEASURED:end]), limit))
+            for row in rows
+        ]
+    else:
+        values = [law_demand(law, row[:MEASURED], row[MEASURED:], limit) for row in rows]
     return [(value - values[-1]) / small for value in values[:-1]]
-
-
-def _slopes_of_law(law: Law, small: FloatArray, limit: FloatArray, width: int) -> FloatArray:
-    """Return the derivatives of m demands by measurements and law states, ``(m, 8 + s)``.
-
-    By forward differences: the last of the points in `rows` is the origin, each other one has a
-    single number `small`, ``(m,)``. `law`: law in Python. `limit`: deflection limits [rad],
-    ``(m,)``. `width`: 8 measurements and s states.
-    """
-    order = len(law.states[0])
-    rows = small * np.eye(width + 1, width)[..., np.newaxis]
-    values = [
-        np.broadcast_to(
-            law.demand(Measurement(*row[:MEASURED]), row[MEASURED : MEASURED + order], limit),
-            small.shape,
-        )
-        for row in rows
-    ]
-    return np.stack([(value - values[-1]) / small for value in values[:-1]], axis=-1)
 
 
 Response = Callable[[Any], ComplexArray]

@@ -219,11 +219,6 @@ class Prediction:
     predicted: the rate by the engine's integration rule, the angles to second order.
     """
 
-    __slots__ = (
-        "_acceleration", "_acceleration_before", "_alpha", "_attitude", "_deflection", "_lateral",
-        "_path", "_path_before", "_rate", "_readers", "_step", "_wind_angle",
-    )  # fmt: skip
-
     def __init__(
         self,
         readers: MotionReaders,

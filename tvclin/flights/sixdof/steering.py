@@ -196,11 +196,6 @@ class LateralMotion:
     `_force` is the force per mass [m/s^2] on the accelerometer at its station, without its lag.
     """
 
-    __slots__ = (
-        "_acceleration", "_decay", "_drift", "_drift_rate", "_force", "_last_force", "_ramp",
-        "_sensors", "_speed", "_step",
-    )  # fmt: skip
-
     def __init__(self, sensors: LateralSensors, step: float) -> None:
         """Set the motion to zero, at the start of a flight.
 

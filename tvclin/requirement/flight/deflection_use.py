@@ -21,9 +21,8 @@ from tvclin.base.fields import spec
 from tvclin.base.lines import Line, Table, degrees, significant
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.gain_schedule import GainSchedule
-from tvclin.flights.closed_loop.flown_flights import checked_flight
+from tvclin.flights.closed_loop.flown_flights import checked_flight, limit_of_flight
 from tvclin.flights.closed_loop.fly_along import FlightAlong
-from tvclin.flights.closed_loop.limit_along import limit_of_flight
 from tvclin.flights.closed_loop.survival_limit import OPEN
 from tvclin.requirement.flight.flight_winds import PlacedWind, WindOf, named_winds, place, placings
 from tvclin.requirement.flight.sizing import Sizing, flight_times
