@@ -105,9 +105,20 @@ def load_schedule(
     folder = Path(name).parent
     if vehicle_file.is_csv(name):
         return _from_rows(_csv_rows(text, name), name, folder, Structure())
-    table = _schedule_table(text, name)
+    document, source_name = tables_of(text, name), called(name)
+    table = document.get("schedule")
     if table is not None:
-        return schedule_of(table, name, folder, vehicle_file.build_structure(tables_of(text, name)))
+        others = document.keys() - vehicle_file.SCHEDULE_HEADINGS
+        if others:
+            raise InputError(
+                f"{source_name}: a schedule has nothing beside [schedule], [structure], [engine]"
+                f" and [sensors]; got {shown(min(others))}"
+            )
+        if not isinstance(table, dict):
+            raise InputError(
+                f"{source_name}: schedule must be a table [schedule]; got {shown(table)}"
+            )
+        return schedule_of(table, name, folder, vehicle_file.build_structure(document))
     vehicle, condition = vehicle_file.parse_vehicle(text, name), load_flight_condition(source)
     reference = time_of(vehicle)
     first = reference - _BEFORE if start is None else start
@@ -357,24 +368,6 @@ def _cell(source: str, label: str, key: str, text: str) -> Any:
         if value in MISSING_NUMBERS:
             raise InputError(f"{key} is missing; give it in every line, or in the first only")
     return value
-
-
-def _schedule_table(text: str, source: str) -> dict[str, Any] | None:
-    """Return the table [schedule] in the text of a TOML file, or None.
-
-    `source`: path of the file. `InputError` for further tables beside it.
-    """
-    document, source = tables_of(text, source), called(source)
-    table = document.get("schedule")
-    others = document.keys() - vehicle_file.SCHEDULE_HEADINGS
-    if table is not None and others:
-        raise InputError(
-            f"{source}: a schedule has nothing beside [schedule], [structure], [engine] and"
-            f" [sensors]; got {shown(min(others))}"
-        )
-    if table is not None and not isinstance(table, dict):
-        raise InputError(f"{source}: schedule must be a table [schedule]; got {shown(table)}")
-    return table
 
 
 def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:

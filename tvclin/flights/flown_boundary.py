@@ -95,13 +95,10 @@ def sixdof_verdict(
 ) -> Verdict:
     """Return the function from a deflection limit [rad] to whether its flight in JSBSim survives.
 
-    `wind`: one wind that ends. `control`: the report's, a law or an autopilot. `frozen`: whether
-    parameters are frozen; else they vary along the nominal flight of `condition`. `drift`: whether
-    the path may turn. `step`: step of JSBSim [s]. `earth`: the rotating Earth, in place of a flat
-    planet. `actuator`, `rate_limit`: hardware of a law, and its limit [rad/s]. Same exceptions as
-    `fly_sixdof`. A flight does not survive if at the `verdict_time` after the wind the vehicle
-    turns fast, see `verdict_of`. It begins at the onset of the wind, a frozen one at zero if that
-    is earlier.
+    Same parameters as `planar_verdict`, and `step`: step of JSBSim [s]; `earth`: the rotating
+    Earth, in place of a flat planet. Same exceptions as `fly_sixdof`. A flight does not survive if
+    at the `verdict_time` after the wind the vehicle turns fast, see `verdict_of`. It begins at the
+    onset of the wind, a frozen one at zero if that is earlier.
     """
     _check_frozen(frozen, condition)
     case = SixDof(vehicle, plane, drift, step=step, earth=earth, condition=condition)

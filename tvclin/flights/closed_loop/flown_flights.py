@@ -348,32 +348,24 @@ def fly_together(
 def stages_in_parts(flights: Sequence[FlownFlight]) -> Iterator[tuple[slice, Stages]]:
     """Yield slices of flights, and the matrices of their loops at all samples, of limited memory.
 
-    Those of a slice are overwritten by those of the next; a single flight keeps its own.
+    The flights of a slice have at most `_MAX_STAGES` samples together, or are a single one. The
+    matrices of a slice are overwritten by those of the next; a single flight keeps its own.
     """
     if len(flights) == 1:
         yield slice(0, 1), flights[0].stages
         return
     storage, surfaces = Storage(), dict[Any, Surface | None]()
-    for part in _parts(flights):
-        yield part, sampled_stages(flights[part], storage, surfaces)
-
-
-def _parts(flights: Sequence[FlownFlight]) -> Iterator[slice]:
-    """Yield slices of flights whose matrices at all samples are in memory at one time.
-
-    They have at most `_MAX_STAGES` samples together, or are a single flight.
-    """
     samples = [
         (flight.stop - flight.start) * float(np.asarray(flight.law.sample_rate or 1.0))
         for flight in flights
     ]
     first, total = 0, 0.0
-    for k, count in enumerate(samples):
+    for k, count in enumerate([*samples, np.inf]):  # infinity ends the last slice
         if k > first and total + count > _MAX_STAGES:
-            yield slice(first, k)
+            part = slice(first, k)
+            yield part, sampled_stages(flights[part], storage, surfaces)
             first, total = k, 0.0
         total += count
-    yield slice(first, len(flights))
 
 
 _LOWEST, _HIGHEST = 0.02, 2.0

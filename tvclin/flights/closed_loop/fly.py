@@ -183,7 +183,12 @@ def flight_responses(
         period = 1.0 / check_sample_rate(sample_rate, actuator)
         late = float(check_delays(number("delay", delay, nonnegative, "s"), np.asarray(period)))
         hardware = Hardware(period, late, actuator=actuator, rate_limit=max_rate)
-        rows = _sampled(plant, law, wind, times, limit, hardware, factor)
+        onset, last = float(wind.onset), float(times.max())
+        check_samples(max(last - onset, 0.0), period)
+        check_fastest_pole(plant, period)
+        until = max(last, onset) + period
+        flight = one_flight(plant, law, wind, limit, hardware, factor, until)
+        rows = tracked(flight, times).rows
     system = law.lateral_sensors.system(plant)
     outputs = np.vstack([outputs_of(system, rows, wind(times)), rows[-1:]])
     return Responses(times, outputs, (*system.outputs, "deflection"))
@@ -278,29 +283,6 @@ class LinearEquations:
     def _system(self) -> LinearSystem:
         """State space of the plant with its lateral sensors."""
         return self.sensors.system(self.plant)
-
-
-def _sampled(
-    plant: AnyPlant,
-    law: Law,
-    wind: History,
-    times: FloatArray,
-    limit: float,
-    hardware: Hardware,
-    gain: float,
-) -> FloatArray:
-    """Return n states and deflection [rad] at m times of a sampled flight, ``(n + 1, m)``.
-
-    `times`: [s], ``(m,)``. `limit`: deflection limit [rad]. `hardware`: sample period, delay,
-    actuator and rate limit. `gain`: factor on the demand of the law. `InputError` for too many
-    samples, and a plant too fast for them.
-    """
-    period = float(hardware.period)
-    start, last = float(wind.onset), float(times.max())
-    check_samples(max(last - start, 0.0), period)
-    check_fastest_pole(plant, period)
-    until = max(last, start) + period
-    return tracked(one_flight(plant, law, wind, limit, hardware, gain, until), times).rows
 
 
 _TIME_AFTER_WIND_TIMES_POLE = 15.0

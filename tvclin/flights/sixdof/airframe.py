@@ -192,9 +192,6 @@ def wind_setter(engine: Engine, plane: str, heading: float) -> Callable[[float],
         for name, component in (("north", north), ("east", east))
         if abs(component) > _MIN_COMPONENT
     ]
-    if len(components) == 1:
-        ((write, component),) = components
-        return lambda speed: write(speed * component)
 
     def set_wind(speed: float) -> None:
         """Set the components of the wind to the north and the east for its speed [m/s]."""
