@@ -52,12 +52,7 @@ class Air:
 
 
 def standard_atmosphere(altitude: ArrayLike) -> Air:
-    """Return the air at geometric altitudes [m] above the sea, from -5 to 86 km.
-
-    Raises
-    ------
-    InputError
-        For altitudes outside the range.
+    """Return the air at geometric altitudes [m] above the sea; `InputError` beyond -5 to 86 km.
 
     Examples
     --------

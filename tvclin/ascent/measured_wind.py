@@ -484,14 +484,8 @@ def _beyond_linear(
 class GustOfSpeed:
     """A gust of a wind speed, which has another wind angle for each vehicle: a function of it.
 
-    Attributes
-    ----------
-    shape : History
-        The gust over time, of any peak.
-    speed : float
-        Wind speed at its peak [m/s].
-    plane : str
-        Pitch, yaw or both; for both it is taken as across the path, where the angle is largest.
+    `shape`: the gust over time, of any peak. `speed`: wind speed at its peak [m/s]. `plane`: pitch,
+    yaw or both; for both it is taken as across the path, where the angle is largest.
     """
 
     shape: History

@@ -158,7 +158,19 @@ def schedule_of(
     `source`: name of the file. `folder`: folder of the table of its structure. `common`: engine and
     sensors of the structure, which do not change over the flight.
     """
-    return _from_rows(_toml_rows(table, source), source, folder, common)
+    name, times = called(source), table.get("time_s")
+    if not isinstance(times, list):
+        raise InputError(f"{name}: [schedule] needs time_s, a list of times in s")
+    for key, values in table.items():
+        if isinstance(values, list) and len(values) != len(times):
+            raise InputError(
+                f"{name}: {key} must have a value for each of the {len(times)} times, or be one"
+                f" number; got {len(values)}"
+            )
+    with naming(name):
+        vehicle_file.check_columns(table.keys(), _COLUMNS)
+    rows = _rows(table, [f"row {i + 1}" for i in range(len(times))])
+    return _from_rows(rows, source, folder, common)
 
 
 def with_structure(
@@ -368,23 +380,6 @@ def _cell(source: str, label: str, key: str, text: str) -> Any:
         if value in MISSING_NUMBERS:
             raise InputError(f"{key} is missing; give it in every line, or in the first only")
     return value
-
-
-def _toml_rows(table: dict[str, Any], source: str) -> list[Row]:
-    """Return the rows of a table [schedule] of lists; `source`: its file, for errors."""
-    source = called(source)
-    times = table.get("time_s")
-    if not isinstance(times, list):
-        raise InputError(f"{source}: [schedule] needs time_s, a list of times in s")
-    for key, values in table.items():
-        if isinstance(values, list) and len(values) != len(times):
-            raise InputError(
-                f"{source}: {key} must have a value for each of the {len(times)} times, or be one"
-                f" number; got {len(values)}"
-            )
-    with naming(source):
-        vehicle_file.check_columns(table.keys(), _COLUMNS)
-    return _rows(table, [f"row {i + 1}" for i in range(len(times))])
 
 
 def _rows(table: dict[str, Any], labels: list[str]) -> list[Row]:

@@ -442,7 +442,6 @@ def _attitude_end(t: float, x: FloatArray, *inputs: Any) -> float:
     It is the event function of `solve_ivp`. `x`: states, the attitude first. Time and inputs do not
     matter.
     """
-    del t, inputs
     return MAX_ATTITUDE * (1.0 + _END_MARGIN) - abs(float(x[0]))
 
 

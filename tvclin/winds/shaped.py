@@ -291,20 +291,10 @@ def encountered_wind(
 ) -> EncounteredWind:
     """Return the wind angles of attack and dynamic pressure in a plane that vehicles encounter.
 
-    Parameters
-    ----------
-    wind : ShapedWind
-        With its heading, its speeds where they are known, and its gust at its time.
-    vehicle : Vehicle
-        One vehicle, or one for each case ``(n,)``.
-    plane : str
-        Plane of the wind angles of attack.
-    name : str
-        Direction of the wind: head, tail or cross.
-    size : float
-        Factor on the wind.
-    values : mapping, optional
-        Dispersed peaks [rad], durations and times of gusts [s]; see `ShapedWind.history`.
+    `wind`: with its heading, its speeds where they are known, and its gust at its time. `vehicle`:
+    one vehicle, or one for each case ``(n,)``. `plane`: of the wind angles of attack. `name`:
+    direction of the wind: head, tail or cross. `size`: factor on the wind. `values`: dispersed
+    peaks [rad], durations and times of gusts [s]; see `ShapedWind.history`.
     """
     values = values or {}
     path, velocity = np.asarray(vehicle.attitude), np.asarray(vehicle.velocity)

@@ -344,21 +344,13 @@ class Turbulence(Record):
         sigma, length = self.over(None if altitude is None else errors.number("altitude", altitude))
         frequencies = errors.within("omega", omega, 0.0, _MAX_FREQUENCY, "rad/s")
         x = frequencies * length / V  # omega L/V, the frequency over the distance in scale lengths
+        along = self.component == _ALONG
         if self.spectrum == _VON_KARMAN:
             square = (_VON_KARMAN_LENGTH_FACTOR * x) ** 2
-            if self.component == _ALONG:
-                shape = 2.0 / (1.0 + square) ** (5 / 6)
-            else:
-                shape = (1.0 + 8 / 3 * square) / (1.0 + square) ** (11 / 6)
-        else:
-            # |G(j x)|^2 of Dryden's filter; `_FILTERS` omits the factor sqrt(2) of that along
-            numerator, denominator = (
-                np.polyval(polynomial[::-1], 1j * x)
-                for polynomial in _FILTERS[self.spectrum, self.component]
-            )
-            shape = np.abs(numerator / denominator) ** 2 * (
-                2.0 if self.component == _ALONG else 1.0
-            )
+            transverse = (1.0 + 8 / 3 * square) / (1.0 + square) ** (11 / 6)
+            shape = 2.0 / (1.0 + square) ** (5 / 6) if along else transverse
+        else:  # |G(j x)|^2 of Dryden's filter
+            shape = 2.0 / (1.0 + x**2) if along else (1.0 + 3.0 * x**2) / (1.0 + x**2) ** 2
         if self.cutoff_wavelength is not None:
             ratio = np.minimum(frequencies / V * self.cutoff_wavelength / (2.0 * np.pi), 1e6)
             shape = shape * (ratio**4 / (1.0 + ratio**4))

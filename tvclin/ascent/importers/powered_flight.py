@@ -468,6 +468,8 @@ _FIELDS = (
     *("control_arm", "axial_force", "velocity", "attitude", "pitch_damping", *_NOT_OF_VEHICLE),
 )
 """Columns of a schedule beyond its time, in the order of its notes."""
+_COMPUTED = ("weight", "normal_force_slope", "aerodynamic_arm", "control_arm", "axial_force")
+"""Columns that are computed from others where a flight does not have them."""
 
 
 def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> FlightSchedule:
@@ -481,7 +483,7 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
         raise errors.InputError(f"max_rows must be 2 or more; got {largest}")
     # fields of the vehicle, altitude and deflection: given, or computed from other columns
     columns = {
-        key: flight.columns[key] if key in flight.columns else _COMPUTED[key](flight)
+        key: flight.columns[key] if key in flight.columns else _computed(flight, key)
         for key in _FIELDS
         if key in flight.columns or key in _COMPUTED
     }
@@ -509,60 +511,39 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     return FlightSchedule(vehicle, **others, notes=tuple(notes))
 
 
-def _weight(flight: Flight) -> Column:
-    """Return the weight W [N] of the mass of a flight."""
-    mass = flight.columns["mass"]
-    return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
+def _computed(flight: Flight, name: str) -> Column:
+    """Return one of the columns `_COMPUTED` [SI] of a flight, by its name, from other columns.
 
-
-def _normal_force_slope(flight: Flight) -> Column:
-    """Return the normal force slope N = q S dC_N/dalpha [N/rad] of a flight."""
-    slope = flight.columns["normal_force_coefficient_slope"]
-    _check_slope(slope.values)
-    return _aerodynamic_force(flight, "dC_N/dalpha", slope)
-
-
-def _aerodynamic_force(flight: Flight, symbol: str, coefficient: Column) -> Column:
-    """Return q S times a coefficient: dynamic pressure and reference area of a flight, [N].
-
-    `symbol`: of the coefficient, for the origin of the column.
+    The weight is that of the mass. Arms are of stations from the nose tip aft, l_a = x_CG - x_CP,
+    negative where the flight is stable, and l_c = x_gimbal - x_CG. Forces are q S, dynamic pressure
+    times reference area, times a coefficient: N [N/rad] by the slope dC_N/dalpha, F_A by C_A.
     """
-    q, area = flight.columns["dynamic_pressure"], flight.columns["reference_area"]
+    columns = flight.columns
+    if name == "weight":
+        mass = columns["mass"]
+        return Column(mass.values * STANDARD_GRAVITY, f"{mass.origin} times 9.80665 m/s^2")
+    if name == "aerodynamic_arm":
+        return _difference(columns["gravity_station"], columns["pressure_station"])
+    if name == "control_arm":
+        gimbal, gravity = columns["gimbal_station"], columns["gravity_station"]
+        _check_gimbal(flight, gimbal.values, gravity.values)
+        return _difference(gimbal, gravity)
+    if name == "axial_force":
+        symbol, coefficient = "C_A", columns["axial_force_coefficient"]
+    else:
+        symbol, coefficient = "dC_N/dalpha", columns["normal_force_coefficient_slope"]
+        _check_slope(coefficient.values)
+    q, area = columns["dynamic_pressure"], columns["reference_area"]
     return Column(
         q.values * area.values * coefficient.values,
         f"q S {symbol}; q = {q.origin}; S = {area.origin}; {symbol} = {coefficient.origin}",
     )
 
 
-def _aerodynamic_arm(flight: Flight) -> Column:
-    """Return the aerodynamic arm l_a = x_CG - x_CP [m] of a flight; negative where it is stable.
-
-    Stations are from the nose tip aft.
-    """
-    gravity, pressure = flight.columns["gravity_station"], flight.columns["pressure_station"]
-    return Column(gravity.values - pressure.values, f"{gravity.origin} less {pressure.origin}")
-
-
-def _control_arm(flight: Flight) -> Column:
-    """Return the control arm l_c = x_gimbal - x_CG [m] of a flight.
-
-    Stations are from the nose tip aft.
-    """
-    gimbal, gravity = flight.columns["gimbal_station"], flight.columns["gravity_station"]
-    _check_gimbal(flight, gimbal.values, gravity.values)
-    return Column(gimbal.values - gravity.values, f"{gimbal.origin} less {gravity.origin}")
-
-
-_COMPUTED: dict[str, Callable[[Flight], Column]] = {
-    "weight": _weight,
-    "normal_force_slope": _normal_force_slope,
-    "aerodynamic_arm": _aerodynamic_arm,
-    "control_arm": _control_arm,
-    "axial_force": lambda flight: _aerodynamic_force(
-        flight, "C_A", flight.columns["axial_force_coefficient"]
-    ),
-}
-"""Functions of the quantities that are computed from other columns."""
+def _difference(minuend: Column, subtrahend: Column) -> Column:
+    """Return the difference of two columns."""
+    origin = f"{minuend.origin} less {subtrahend.origin}"
+    return Column(minuend.values - subtrahend.values, origin)
 
 
 def specified_slope(flight: Flight, slope: Slope) -> Column:

@@ -52,19 +52,6 @@ def frequency(actuator: Actuator | None) -> FloatArray:
     return np.zeros(()) if actuator is None else np.asarray(actuator.natural_frequency, float)
 
 
-def substeps_of(frequencies: FloatArray, lengths: FloatArray) -> IntArray:
-    """Return the number of substeps of each part of a sample, ``(p, parts)``; 1 for short samples.
-
-    `frequencies`: natural frequencies of the nozzles [rad/s], ``(p,)``. `lengths`: lengths [s] of a
-    sample and of its parts after and before the arrival of the command, ``(p, 1 + parts)``. Only
-    a sample longer than half of 1/omega (`COARSE`) is divided.
-    """
-    angles = frequencies[:, np.newaxis] * lengths  # omega times length: of a sample, of its parts
-    # 1e-9 is rounding: a whole number of substeps stays that number
-    substeps = np.maximum(np.ceil(SUBSTEPS * angles[:, 1:] - 1e-9), 1.0)
-    return np.where(angles[:, :1] > COARSE, substeps, 1.0).astype(np.int64)
-
-
 def with_ramp(plant: LinearSystem) -> LinearSystem:
     """Return a plant without wind and with two further states, which make its deflection linear.
 
@@ -370,7 +357,8 @@ class Timing(NamedTuple):
 
         A delay is whole samples, `late`, and a rest, after which a command arrives within a sample.
         The intervals are the sample itself, its part after the arrival, and with a rest its part
-        before that; each has `lengths` and a number of `substeps`. `hardware`: gives the actuators.
+        before that; each has `lengths` and a number of `substeps`, one unless the sample is longer
+        than half of 1/omega of the actuator (`COARSE`). `hardware`: gives the actuators.
         `shape`: shape of the batch of vehicles. `period`, `delay`: sample periods and computing
         delays [s], ``(p,)``.
         """
@@ -378,12 +366,15 @@ class Timing(NamedTuple):
         parts = [period - rest, rest] if np.any(rest) else [period]
         lengths, actuator = np.stack([period, *parts], axis=-1), hardware.actuator
         frequencies = spread_to(frequency(actuator), shape)
+        angles = frequencies[:, np.newaxis] * lengths  # omega times length, of sample and parts
+        # 1e-9 is rounding: a whole number of substeps stays that number
+        substeps = np.maximum(np.ceil(SUBSTEPS * angles[:, 1:] - 1e-9), 1.0)
         bandwidth = np.full(period.shape, _IDEAL_BANDWIDTH)
         if actuator is not None:
             bandwidth = frequencies if actuator.damping is None else np.zeros(period.shape)
         return cls(
             lengths=lengths,
-            substeps=substeps_of(frequencies, lengths),
+            substeps=np.where(angles[:, :1] > COARSE, substeps, 1.0).astype(np.int64),
             bandwidth=bandwidth[:, np.newaxis],
             late=late.astype(np.int64),
         )

@@ -250,31 +250,24 @@ class LinearEquations:
         return scales
 
     def rates(self, t: float, x: FloatArray, deflection: float, gust: float) -> FloatArray:
-        """Return the derivatives A x + B u of the states x at a time `t` [s], ``(n,)``.
+        """Return the derivatives A x + B u of the states x, ``(n,)``, see `Equations.rates`.
 
-        `deflection`: deflection [rad]. `gust`: wind angle [rad]. The time is not used: the matrices
-        are constant.
+        The time is not used, here and below: the matrices are constant.
         """
-        del t
         A, B, _, _ = self._system.matrices()
         by_deflection, by_wind = B.T[:2]  # the first two inputs
         return A @ x + by_deflection * deflection + by_wind * gust
 
     def angle_of_attack(self, t: Any, x: FloatArray, gust: Any) -> Any:
-        """Return theta - gamma - alpha_w [rad] at times `t` [s], which are not used.
+        """Return theta - gamma - alpha_w [rad], see `Equations.angle_of_attack`.
 
-        gamma is zero in a model with a fixed path, which has two states. `x`: states, ``(n, ...)``:
-        attitude theta, its rate, and path angle gamma. `gust`: wind angle alpha_w [rad].
+        States are attitude theta, its rate, and path angle gamma, which is zero in a model with a
+        fixed path, of two states.
         """
-        del t
         return x[0] - gust if len(self.plant.states) < 3 else x[0] - x[2] - gust
 
     def lateral(self, t: Any, x: FloatArray) -> dict[str, Any]:
-        """Return the measurements of the lateral sensors by name, at times `t` [s].
-
-        The times are not used: the matrices are constant. `x`: states, ``(n, ...)``.
-        """
-        del t
+        """Return the measurements of the lateral sensors by name, see `Equations.lateral`."""
         # outputs of the lateral sensors follow the plant's
         rows = self._system.C[len(self.plant.outputs) :] @ x
         return self.sensors.measurements(rows)

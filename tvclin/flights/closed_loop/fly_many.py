@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -116,15 +117,9 @@ def remain_linear(batch: Batch, f: Flights, cases: IndexArray) -> BoolArray:
     flights of linear laws. `f`: their arrays, at their ends. `cases`: indices of the k flights.
     """
     steps, rows = loop_steps(batch, f, cases)
-    return np.array(
-        [
-            _remains_linear(f, i, steps[k], rows[k], overshoot)
-            for k, (i, overshoot) in enumerate(
-                zip(cases.tolist(), _overshoots(batch, f)[cases].tolist(), strict=True)
-            )
-        ],
-        bool,
-    )
+    overshoots = _overshoots(batch, f)[cases].tolist()
+    remain = map(partial(_remains_linear, f), cases.tolist(), steps, rows, overshoots)
+    return np.array(list(remain), bool)
 
 
 def _remains_linear(

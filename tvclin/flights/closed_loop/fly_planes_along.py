@@ -126,22 +126,14 @@ def fly_planes_along(
     if pair[0].law.sample_rate != pair[1].law.sample_rate:
         raise errors.InputError("autopilot must have the same sample_rate in both planes")
     flown = _flight_in_planes(pair, shape, limit, max_rate)
-    # an undecided flight is flown anew to a later end, if there is one at which it can be settled
-    further = _continuation(pair) if flown.status == UNDECIDED else None
-    return flown if further is None else _flight_in_planes(further, shape, limit, max_rate)
-
-
-def _continuation(pair: Sequence[FlownFlight]) -> list[FlownFlight] | None:
-    """Return the flights of both planes with a later end, at which they can be settled, or None.
-
-    The end is the later of both planes'; `further` is the flight of one plane with a later end, or
-    None if it cannot go on. `pair`: flights in pitch and in yaw, undecided at the present end.
-    """
+    if flown.status != UNDECIDED:
+        return flown
+    # flown anew to the later of both planes' ends at which it can be settled, if there is one
     stops = [along.further.stop for along in pair if along.further is not None]
     if not stops:
-        return None
-    # the later end is the last one: no flight goes on after it
-    return [replace(along, stop=max(stops), goes_on=False) for along in pair]
+        return flown
+    pair = [replace(along, stop=max(stops), goes_on=False) for along in pair]
+    return _flight_in_planes(pair, shape, limit, max_rate)
 
 
 def _flight_in_planes(

@@ -101,7 +101,18 @@ def read_sounding(
     """
     text = read_lines(path)
     entries = soundings_in(text, format, units, above_ground)
-    levels = _entry_at(text, entries, time).levels()
+    matches = entries
+    if time is not None:
+        matches = [entry for entry in entries if isinstance(time, str) and entry.time == time]
+    if not matches:
+        times = [entry.time for entry in entries if entry.time]
+        listed = ", ".join(map(repr, times[:_MAX_LISTED_TIMES])) or "none"
+        more = len(times) - _MAX_LISTED_TIMES
+        raise errors.InputError(
+            f"{text.source} has no sounding of time {errors.shown(time)}; it has {listed}"
+            f"{f' and {more} more' if more > 0 else ''}"
+        )
+    levels = matches[0].levels()
     if time is None and len(entries) > 1:
         note = f"the first of {len(entries)} soundings in the file; choose another by its time"
         levels = replace(levels, notes=(*levels.notes, note))
@@ -161,24 +172,6 @@ def recognised_format(text: Text) -> str:
         f" height_m,speed_m_per_s,direction_deg in its first {MAX_HEAD_LINE} lines, with at most"
         f" {MAX_COLUMNS} columns (or name the format,"
         f" --set sounding.format in a shell: {', '.join(READERS)})"
-    )
-
-
-def _entry_at(text: Text, entries: list[SoundingEntry], time: str | None) -> SoundingEntry:
-    """Return the sounding of a time; `InputError` for another time, which names all of the text.
-
-    `entries`: soundings in the text. `time`: as "2024-01-15 12" [UTC]; None for the first.
-    """
-    if time is None:
-        return entries[0]
-    times = [entry.time for entry in entries if entry.time]
-    for entry in entries:
-        if isinstance(time, str) and entry.time == time:
-            return entry
-    listed = ", ".join(repr(name) for name in times[:_MAX_LISTED_TIMES]) or "none"
-    more = f" and {len(times) - _MAX_LISTED_TIMES} more" if len(times) > _MAX_LISTED_TIMES else ""
-    raise errors.InputError(
-        f"{text.source} has no sounding of time {errors.shown(time)}; it has {listed}{more}"
     )
 
 
