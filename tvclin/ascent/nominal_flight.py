@@ -58,7 +58,7 @@ class FlightCondition:
         """Check the fields; `InputError` for numbers out of range."""
         checked(self)
 
-    @property
+    @cached_property
     def density(self) -> float:
         """Density of the air [kg/m^3]."""
         return float(standard_atmosphere(self.altitude).density)
@@ -167,7 +167,7 @@ class NominalFlight:
         `speed`: relative to the air; both may be arrays of one shape.
         """
         density = density_at(altitude) if np.ndim(altitude) == 0 else air_at(altitude).density
-        return density / self._nominal_density * (speed / self.vehicle.velocity) ** 2
+        return density / self.condition.density * (speed / self.vehicle.velocity) ** 2
 
     def dynamic_pressure(self, t: ArrayLike) -> FloatArray:
         """Return the dynamic pressure [Pa] at times of flight `t` [s], in their shape."""
@@ -231,11 +231,6 @@ class NominalFlight:
     def _time(self) -> float:
         """Time of the vehicle [s]."""
         return time_of(self.vehicle)
-
-    @cached_property
-    def _nominal_density(self) -> float:
-        """Density of the air [kg/m^3] at the time of the vehicle."""
-        return self.condition.density
 
     @cached_property
     def _solutions(self) -> tuple[Any, Any]:

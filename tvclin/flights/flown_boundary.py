@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -147,12 +146,10 @@ class Engine:
     verdict: Callable[..., Verdict]
 
 
-ENGINES: Mapping[str, Engine] = MappingProxyType(
-    {
-        "planar": Engine("planar equations (B1)", planar_outputs, planar_verdict),
-        "sixdof": Engine("six degrees of freedom (JSBSim)", _sixdof_outputs, sixdof_verdict),
-    }
-)
+ENGINES: Mapping[str, Engine] = {
+    "planar": Engine("planar equations (B1)", planar_outputs, planar_verdict),
+    "sixdof": Engine("six degrees of freedom (JSBSim)", _sixdof_outputs, sixdof_verdict),
+}
 
 
 _MIN_TOLERANCE = 1e-7

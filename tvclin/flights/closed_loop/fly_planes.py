@@ -281,10 +281,8 @@ def fly_planes(
         Largest deflection rate [rad/s] of each plane.
     actuator : Actuator, optional
         First-order actuator of both planes. Without it the deflection equals its command.
-    sample_rate : float
-        Samples of the law per second [Hz], the first at the onset of the wind.
-    delay : float
-        Computing delay [s], see `fly_many`.
+    sample_rate, delay
+        Same as in `fly_many`, one for all flights.
     yaw_plant : Plant, optional
         Plant of the yaw plane; by default the plant of the pitch plane.
 

@@ -314,16 +314,8 @@ def closed_loop_boundary(
         The law, designed on this plant or on another.
     wind : History
         One wind that ends.
-    rate_limit : float
-        Largest deflection rate [rad/s].
-    actuator : Actuator, optional
-        Without it the deflection follows its command within a sample.
-    sample_rate : float
-        Samples of the law per second [Hz].
-    delay : float
-        Computing delay [s], see `fly`.
-    gain : float
-        Factor on the demand of the law, see `fly_many`.
+    rate_limit, actuator, sample_rate, delay, gain
+        Same as in `fly`, in SI units; the law is sampled.
     cuts : int
         Number of sudden stops of the wind, at equidistant times: a limit survives if it survives
         the wind with each of them.

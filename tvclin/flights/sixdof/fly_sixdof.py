@@ -230,8 +230,8 @@ def fly_sixdof(
 
     Parameters
     ----------
-    vehicle : Vehicle
-        One vehicle.
+    vehicle, timepts, actuator
+        Same as in `fly_planar`.
     control : History, Law, Autopilot or ReportControl
         A deflection over time, a law or an autopilot asked at every step, or the report's
         control.
@@ -239,8 +239,6 @@ def fly_sixdof(
         One wind angle of attack [rad] on the nominal flight, flown as the horizontal wind that
         makes it: in pitch along the flight, positive a tail wind; in yaw across, positive from
         the right.
-    timepts : array_like
-        Times [s], ``(n,)``; the flight begins at the first of them in time, at rest.
     deflection_limit : float
         Largest deflection [rad]; only a history may do without.
     plane : {"pitch", "yaw"}
@@ -255,8 +253,6 @@ def fly_sixdof(
         With one, mass, speed and dynamic pressure vary along the nominal flight through the
         vehicle's state at its own time, as in `fly_planar`; the air is that of the engine, and
         the wind changes the air speed. Without one, mass, forces and speed stay what they are.
-    actuator : Actuator, optional
-        Between a law and the nozzle; an autopilot brings its own.
     rate_limit : float
         Largest deflection rate [rad/s] of a law.
 

@@ -396,8 +396,7 @@ class WindProfile(Record):
         Parameters
         ----------
         flight : FlightSchedule, Climb, or anything like them
-            Has arrays ``time`` [s], ``height`` [m], ``speed`` [m/s] and ``flight_path_angle``
-            [rad], ``(n,)``, and ascends.
+            Same as in `to_wind`.
         azimuth : float
             Direction of flight [rad], from north, clockwise.
 
