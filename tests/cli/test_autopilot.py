@@ -84,6 +84,10 @@ def test_an_unstable_loop_has_a_reason_and_no_margins():
     assert other.exit_code == 1
     assert "Autopilot requirement: NOT KNOWN, the closed loop is unstable" in other.output
     assert json.loads(run("fly", *UNSTABLE, "--json").stdout)["survived"] is None
+    limited = run("fly", *UNSTABLE, "--limit-deg", "1")
+    assert "criteria" not in limited.stdout.replace("that satisfy the criteria", "")
+    for answer in (result, other, limited):
+        assert answer.stdout.count("loop is unstable") == 1
 
 
 def test_no_margins_and_notes_fit_a_terminal(monkeypatch):

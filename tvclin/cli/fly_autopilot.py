@@ -496,8 +496,11 @@ class AutopilotFlight:
             print_bounds(self.compared.autopilot, self.compared.plant)
 
     def _judged(self) -> Iterator[str]:
-        """Yield notes on criteria that are not satisfied, and on the required deflection."""
-        if not self.criteria_satisfied:
+        """Yield notes on criteria that are not satisfied, and on the required deflection.
+
+        The criteria of an unstable loop are not mentioned: the requirement says that it is one.
+        """
+        if self.compared.margins.stable and not self.criteria_satisfied:
             word, name = satisfaction(self.criteria_satisfied), self.case.margin_criteria.name
             yield f"criteria {name}: {word} (tvclin margins says by how much)"
         if self.required is not None:

@@ -89,13 +89,14 @@ def print_answer(
     """Print the verdict, the tables that answer, and notes.
 
     `notes`: those on implausible input come first. The first three are printed, or all on
-    implausible input, and with `more`, the option --more, all of them.
+    implausible input, and with `more`, the option --more, all of them. A note that stands in the
+    verdict is not repeated.
     `details`: prints further tables below, with `more` alone. Without it a last line says that
     there is more.
     """
     say(f"{verdict[0].upper()}{verdict[1:].rstrip('.')}.\n")
     print_tables(*tables)
-    unique = dict.fromkeys(notes)
+    unique = dict.fromkeys(note for note in notes if note not in verdict)
     implausible = [note for note in unique if isinstance(note, ImplausibleInput)]
     others = [note for note in unique if not isinstance(note, ImplausibleInput)]
     remaining = len(others) if more else max(0, _MAX_NOTES - len(implausible))
