@@ -621,6 +621,9 @@ def doors(folder: Path) -> dict[str, Door]:
         "Case.wind_in_plane_at": Door(
             tv.Case(vehicle=booster, wind=slanting).wind_in_plane_at, {"dead_band": 0.5}
         ),
+        "Case.placed_wind": Door(
+            tv.Case(vehicle=booster, wind=slanting).placed_wind, {"dead_band": 0.5}
+        ),
         "FlightPlan": Door(
             tv.ensembles.FlightPlan,
             {
