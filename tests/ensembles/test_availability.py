@@ -74,7 +74,7 @@ def size_says(flight, wind, gust=None, plane="pitch", azimuth=EAST, pressure=Fal
 @pytest.mark.parametrize("i", usual([2, 14], 1))
 def test_each_sounding_needs_what_size_says(flight, archive, i) -> None:
     result = tv.availability(flight, archive, limit=0.01, **PITCH)
-    assert result.required[i] == pytest.approx(size_says(flight, archive[i]), rel=JETS)
+    assert result.lower[i] == pytest.approx(size_says(flight, archive[i]), rel=JETS)
 
 
 @pytest.mark.parametrize("azimuth", usual([EAST, -EAST], 1), ids=["tail", "head"])
@@ -86,8 +86,8 @@ def test_the_dynamic_pressure_met_counts_as_in_size(flight, archive, azimuth, pl
     calm = tv.availability(flight, archive, limit=0.01, sign="frozen", **where)
     for i in (2, 14):
         said = size_says(flight, archive[i], pressure=True, **where)
-        assert result.required[i] == pytest.approx(said, rel=1e-3)
-    assert np.all((result.required > calm.required) == (azimuth < 0.0))
+        assert result.lower[i] == pytest.approx(said, rel=1e-3)
+    assert np.all((result.lower > calm.lower) == (azimuth < 0.0))
     with pytest.raises(tv.InputError, match="have their own sign"):
         tv.availability(flight, archive, limit=0.01, sign="head", **where)
 
@@ -156,7 +156,7 @@ def test_a_wind_that_turns_where_the_path_is_quick_is_lost_as_its_flights_are(tr
         options = {"limit": float(limit), "azimuth": EAST, "plane": "yaw"}
         result = tv.availability(booster, one(wind), **options)
         assert result.flies[0] == flies
-        edge = result.required[0] if not flies else result.upper[0]
+        edge = result.lower[0] if not flies else result.upper[0]
         assert edge == pytest.approx(np.radians(0.08815), rel=3e-3)
     # with gaps above two kilometres it is not known, and never said to fly
     gaps = tv.WindProfile(height=given, east=0.0 * given, north=-np.interp(given, height, cross))
@@ -240,15 +240,14 @@ def test_rough_winds_need_what_size_says_or_are_doubted(flight) -> None:
     # near the limit the others are flown
     limit = 1.001 * needed[doubted][0]
     near = tv.availability(flight, rough, limit=limit, **PITCH)
-    assert near.required[doubted][0] == pytest.approx(needed[doubted][0], rel=EDGE)
+    assert near.lower[doubted][0] == pytest.approx(needed[doubted][0], rel=EDGE)
     assert any("flown with trim: " in note for note in near.notes)
     between = result.with_limit(1.001 * result.lower[doubted][0])
     assert "was not flown" in np.array(between.why)[doubted][0]
     # so what one sounding asks for depends on the limit
-    assert result.required[doubted][0] == result.lower[doubted][0]
-    assert np.isnan(between.required[doubted][0])
-    assert result.lower[doubted][0] <= near.required[doubted][0] * (1.0 + EDGE)
-    assert near.required[doubted][0] <= result.upper[doubted][0]
+    assert np.isnan(between.flies[doubted][0])
+    assert result.lower[doubted][0] <= near.lower[doubted][0] * (1.0 + EDGE)
+    assert near.lower[doubted][0] <= result.upper[doubted][0]
     assert near.today(winds[int(np.argmax(needed))]).go is bool(limit > needed.max())
     fixed = tv.availability(flight, rough, limit=1e-4, model="fixed-path", **PITCH)
     assert np.array_equal(fixed.lower, fixed.upper)  # there nothing needs to be flown
@@ -272,7 +271,7 @@ def test_a_wind_that_turns_about_flies_with_less_than_its_bound(model) -> None:
     for part, flies in ((0.9, True), (0.55, False), (0.4, False)):
         result = tv.availability(booster, one(wind), limit=part * bound, **request)
         assert result.flies[0] == flies
-        assert result.required[0] == pytest.approx(bound * (part if flies else 1.0), rel=CLOSE)
+        assert result.lower[0] == pytest.approx(bound * (part if flies else 1.0), rel=CLOSE)
         assert any("a flight of the trim law survives" in note for note in result.notes) == flies
         assert result.today(wind).go is flies
     for stop in ("square", "round"):
@@ -294,7 +293,7 @@ def test_a_flight_in_few_rows_is_looked_at_between_them_as_well(archive) -> None
     fine = tv.FlightSchedule(coarse.clamped_at(times), altitude=height)
     result = tv.availability(coarse, archive[6:7], limit=0.01, **PITCH)
 
-    assert result.required[0] == pytest.approx(size_says(fine, archive[6]), rel=JETS)
+    assert result.lower[0] == pytest.approx(size_says(fine, archive[6]), rel=JETS)
 
 
 def test_of_the_two_sides_of_a_wind_the_one_counts_that_needs_more(flight) -> None:
@@ -306,7 +305,7 @@ def test_of_the_two_sides_of_a_wind_the_one_counts_that_needs_more(flight) -> No
         tv.availability(
             flight, one(tv.WindProfile(height=height, east=east, north=0.0 * east)),
             limit=1.0, **PITCH,
-        ).required[0]
+        ).lower[0]
         for east in (-hump, jet_, jet_ - hump)
     )  # fmt: skip
     assert low > high
@@ -339,8 +338,8 @@ def test_a_balloon_that_burst_below_the_jet_is_unknown_and_not_calm(flight, arch
     both = tv.winds.Soundings.from_profiles([*archive, burst], days("2023-02-01T00", 21))
     result = tv.availability(flight, both, limit=np.radians(0.3), **PITCH)
 
-    assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < result.required[11]
-    assert np.isnan(result.required[20])
+    assert size_says(flight, burst) < np.radians(0.2) < np.radians(0.3) < result.lower[11]
+    assert np.isnan(result.flies[20])
     assert result.why[20] == "its wind is not known far enough"
     assert result.fraction().unknown == 1
     below, above = result.fraction().bounds
@@ -399,9 +398,7 @@ def test_old_balloons_that_end_at_16_km_are_judged_where_it_does_not_matter(
     )
 
     assert np.all(computed.lower <= computed.upper)
-    assert np.all(
-        (computed.lower - CLOSE <= whole.required) & (whole.required <= computed.upper + CLOSE)
-    )
+    assert np.all((computed.lower - CLOSE <= whole.lower) & (whole.lower <= computed.upper + CLOSE))
     # lost where they are lost below; flown where any wind above is survived
     assert np.array_equal(computed.flies, np.where(whole.flies == 0.0, 0.0, np.nan), equal_nan=True)
     flown = computed.with_limit(np.radians(0.56)).flies
@@ -432,7 +429,7 @@ def test_a_cross_wind_whose_square_is_below_all_numbers_is_calm(flight, azimuth)
     south = one(tv.WindProfile(height=height, east=0.0 * height, north=north))
     gust = tv.OneMinusCosineGust(peak=0.02, duration=2.0)
     calm, faint = (
-        tv.availability(flight, south, limit=1.0, azimuth=x, plane="both", gust=gust).required[0]
+        tv.availability(flight, south, limit=1.0, azimuth=x, plane="both", gust=gust).lower[0]
         for x in (0.0, azimuth)
     )
     assert faint == calm > 0.0
@@ -460,7 +457,7 @@ def test_a_calm_flies_with_no_limit_at_all(flight) -> None:
     calm = tv.WindProfile(height=height, east=0.0 * height, north=0.0 * height)
     result = tv.availability(flight, one(calm), limit=0.0, azimuth=EAST)
 
-    assert result.required == [0.0]
+    assert result.lower == [0.0]
     assert result.fraction().flown == 1
 
 
@@ -472,21 +469,19 @@ def test_ground_above_the_start_of_the_flight_changes_little(flight, archive, gr
     result = tv.availability(flight, one(wind.between(ground, 31e3)), limit=0.01, **PITCH)
 
     assert result.fraction().unknown == 0
-    assert result.required[0] == pytest.approx(whole.required[0], rel=1e-3)
+    assert result.lower[0] == pytest.approx(whole.lower[0], rel=1e-3)
 
 
 def test_both_planes_go_together_as_the_stop_is_round_or_square(flight, archive) -> None:
     wind = one(archive[8])
     pitch, yaw = (
-        tv.availability(flight, wind, limit=1.0, azimuth=0.7, plane=plane, sign="frozen").required[
-            0
-        ]
+        tv.availability(flight, wind, limit=1.0, azimuth=0.7, plane=plane, sign="frozen").lower[0]
         for plane in ("pitch", "yaw")
     )
     round_, square = (
         tv.availability(
             flight, wind, limit=1.0, azimuth=0.7, limit_shape=stop, sign="frozen"
-        ).required[0]
+        ).lower[0]
         for stop in ("round", "square")
     )
 
@@ -501,7 +496,7 @@ def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
     result = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuths)
     for a, azimuth in enumerate(azimuths):
         single = tv.availability(flight, archive, limit=np.radians(0.4), azimuth=azimuth)
-        assert np.array_equal(result.required[a], single.required)
+        assert np.array_equal(result.lower[a], single.lower)
         assert result.fraction()[a] == single.fraction()
         assert result.by_month()[2][a] == single.by_month()[2]
         assert np.array_equal(result.placard()[a], single.placard())
@@ -511,8 +506,8 @@ def test_several_azimuths_are_as_each_alone(flight, archive) -> None:
 def test_a_gust_costs_what_it_costs_at_the_peak_of_the_wind_or_more(flight, archive) -> None:
     gust = tv.OneMinusCosineGust(peak=np.radians(0.5), duration=3.0)
     wind = archive[9]
-    need = tv.availability(flight, one(wind), limit=1.0, gust=gust, **PITCH).required[0]
-    bare = tv.availability(flight, one(wind), limit=1.0, **PITCH).required[0]
+    need = tv.availability(flight, one(wind), limit=1.0, gust=gust, **PITCH).lower[0]
+    bare = tv.availability(flight, one(wind), limit=1.0, **PITCH).lower[0]
     # sixty-four straight lines are off by a part of (pi/64)^2/6 = 4e-4 of what the gust adds
     assert need >= size_says(flight, wind, gust) - 4e-4 * (need - bare)
     assert need > bare
@@ -525,8 +520,8 @@ def test_a_gust_by_its_speed_is_met_at_the_angle_of_its_time(flight, archive) ->
     for plane in ("pitch", "yaw"):
         towards = EAST if plane == "pitch" else EAST + np.pi / 2
         where = {"plane": plane, "azimuth": towards, "sign": "frozen"}
-        need = tv.availability(flight, one(wind), **options, **where).required[0]
-        bare = tv.availability(flight, one(wind), limit=1.0, **where).required[0]
+        need = tv.availability(flight, one(wind), **options, **where).lower[0]
+        bare = tv.availability(flight, one(wind), limit=1.0, **where).lower[0]
         each = size_says(flight, wind, GustOfSpeed(gust, speed, plane), plane, towards)
         assert need >= each - 4e-4 * (need - bare)
         assert need > bare
@@ -542,7 +537,7 @@ def test_a_gust_by_its_speed_costs_what_a_sounding_with_it_costs_where_it_is_wor
     where = {"limit": 1.0, "azimuth": EAST, "plane": "pitch"}
     gust = tv.OneMinusCosineGust(peak=0.01, duration=3.0)
     wind = tv.WindProfile(height=height, east=east, north=0.0 * height)
-    need = tv.availability(flight, one(wind), gust=gust, gust_speed=9.0, **where).required[0]
+    need = tv.availability(flight, one(wind), gust=gust, gust_speed=9.0, **where).lower[0]
     needs = []
     for middle in np.arange(55.0, 65.0):
         own = np.interp(middle + np.linspace(-1.5, 1.5, 65), flight.times, flight.height)
@@ -551,7 +546,7 @@ def test_a_gust_by_its_speed_costs_what_a_sounding_with_it_costs_where_it_is_wor
         more = sign * 9.0 * gust(times - middle + 1.5) / 0.01
         gusty = np.interp(levels, height, east) + more
         with_it = tv.WindProfile(height=levels, east=gusty, north=0.0 * levels)
-        needs.append(tv.availability(flight, one(with_it), **where).required[0])
+        needs.append(tv.availability(flight, one(with_it), **where).lower[0])
     # it is placed where trim reaches the need of the wind alone, not where it costs most
     assert 0.995 * max(needs) <= need <= max(needs) * (1.0 + 2e-3)
 
@@ -565,9 +560,9 @@ def test_where_the_speed_stays_a_gust_of_it_is_one_of_an_angle(archive) -> None:
     for plane, across in (("pitch", np.sin(1.0)), ("yaw", 1.0)):
         gust = tv.OneMinusCosineGust(peak=np.arcsin(9.0 / 500.0 * across), duration=3.0)
         options = {"limit": 1.0, "azimuth": 0.7, "plane": plane, "sign": "frozen"}
-        by_angle = tv.availability(even, archive, gust=gust, **options).required
+        by_angle = tv.availability(even, archive, gust=gust, **options).lower
         other = gust * 0.3
-        by_speed = tv.availability(even, archive, gust=other, gust_speed=9.0, **options).required
+        by_speed = tv.availability(even, archive, gust=other, gust_speed=9.0, **options).lower
         # an angle and its sine are not proportional: by a part of angle^2/6 of the gust
         assert by_speed == pytest.approx(by_angle, rel=(9.0 / 500.0) ** 2 / 6.0)
 
@@ -593,7 +588,7 @@ def test_a_gust_that_no_horizontal_wind_makes_is_not_judged() -> None:
     for east, known in ((-20.0, False), (20.0, True)):
         wind = tv.WindProfile(height=height, east=0.0 * height + east, north=0.0 * height)
         result = tv.availability(flat, one(wind), **options)
-        assert np.isfinite(result.required[0]) == known
+        assert np.isfinite(result.lower[0]) == known
         assert (result.why[0] == "") == known
         assert known or "no horizontal wind turns the flight so far" in result.why[0]
 
@@ -702,7 +697,7 @@ def test_where_a_wind_is_too_steep_the_rest_of_the_flight_is_judged(archive) -> 
     (note,) = [one for one in result.notes if "30 deg" in one]
     assert "2 of 3 soundings" in note
     later = tv.availability(slow.between(first), some, limit=1.0, **PITCH)
-    assert result.required[1:] == pytest.approx(later.required[1:], rel=STRAIGHT)
+    assert result.lower[1:] == pytest.approx(later.lower[1:], rel=STRAIGHT)
     assert result.today(winds[2]).judged == tuple(result.judged[2])
 
 
@@ -791,8 +786,8 @@ def test_a_csv_and_a_dataset_hold_every_number(flight, archive, tmp_path) -> Non
     data = result.to_xarray()
 
     assert (tmp_path / "all.csv").read_text() == result.to_csv()
-    needs = np.radians([float(row["required_deg"]) for row in rows]).reshape(2, 20)
-    assert np.allclose(needs, result.required, rtol=1e-15, atol=0.0)
+    needs = np.radians([float(row["lower_deg"]) for row in rows]).reshape(2, 20)
+    assert np.allclose(needs, result.lower, rtol=1e-15, atol=0.0)
     assert np.array_equal(data["flies"], result.flies)
     assert np.array_equal(data["time"].values.astype("datetime64[m]"), archive.times)
     assert "Launch availability" in result._repr_html_()

@@ -236,7 +236,7 @@ def test_a_flight_without_any_moment_for_a_while_is_followed(flight) -> None:
         needs.append(
             [
                 sized.required["K = 1, varying"][1, 0],
-                tv.availability(some, archive(1.0), **PITCH).required[0],
+                tv.availability(some, archive(1.0), **PITCH).lower[0],
             ]
         )
     assert needs[0] == pytest.approx(needs[1], rel=1e-4)

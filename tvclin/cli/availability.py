@@ -72,8 +72,8 @@ def availability(
     today: Path | None = option("Also judge this balloon of today: go or no go?", metavar="FILE"),
     as_json: AsJson = False,
     csv: Path | None = option(
-        "Also write what every sounding needs into this file: its bounds lower_deg and upper_deg,"
-        " and required_deg, the lower of them (empty where --limit-deg is not judged).",
+        "Also write the bounds of the required deflection of every sounding into this file,"
+        " lower_deg and upper_deg.",
         callback=to_write,
     ),
     plot: Plot = None,
@@ -223,8 +223,7 @@ def _print_details(result: Availability, source: str) -> None:
     say(f"Judged from {begin:.4g} to {end:.4g} s of the flight. {answer_tables.interval(result)}")
     say(
         "A sounding that reaches its limit more than once is judged for this limit alone:"
-        " lower_deg and upper_deg of the CSV bracket its requirement; required_deg is the lower"
-        " of them, and empty where this limit is not judged."
+        " lower_deg and upper_deg of the CSV bracket its requirement."
     )
 
 

@@ -85,7 +85,8 @@ class Availability(Tabled):
         Bounds of the required deflections [rad], with persistence, ``(n,)``: with a calm and with a
         strong wind where the wind is not known. NaN where nothing can be said. Where trim reaches
         the limit more than once, or the path is quick, `upper` includes what a flight may require
-        more, up to the largest trim; it is the limit where a flight survived with it.
+        more, up to the largest trim. Both depend on the limit: `upper` is the limit where a flight
+        survived with it, `lower` too where it was above.
     wind_known : ndarray of bool
         Whether the requirement is the same with calm and with a strong wind, ``(n,)``.
     persistence : ndarray
@@ -122,15 +123,6 @@ class Availability(Tabled):
     def flies(self) -> FloatArray:
         """Verdicts on n soundings, ``(n,)``: 1 for a sufficient limit, 0 if not, NaN if unknown."""
         return self._flies(self.limit)
-
-    @property
-    def required(self) -> FloatArray:
-        """Lower bounds of the requirement [rad] in n soundings, ``(n,)``; NaN where not judged.
-
-        The bounds depend on the limit of `availability`: a sounding whose trim reaches it more than
-        once is flown if it requires about this limit, and else `lower` and `upper` are its bounds.
-        """
-        return np.where(np.isnan(self.flies), np.nan, self.lower)
 
     @property
     def why(self) -> tuple[str, ...]:
@@ -273,9 +265,7 @@ class Availability(Tabled):
         Each requirement has a lower and an upper bound. "from" and "to" are the first and last
         judged flight time [s] of a sounding, "why" the reason where its verdict is not known.
         """
-        angles = {
-            name: np.atleast_2d(getattr(self, name)) for name in ("required", "lower", "upper")
-        }
+        angles = {name: np.atleast_2d(getattr(self, name)) for name in ("lower", "upper")}
         begins, ends = self.judged.T
         return Columns(
             (
