@@ -284,10 +284,11 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
         return gauge(pair.demand_between(s, T))
 
     def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the y [rad] with which y S contains the demand of the wind from onset to `T` [s].
+        """Return the scale y [rad] with which y S contains the wind's demand from onset to `T` [s].
 
-        S is the limit shape; the demand is the deflection vector of both planes, held from the
-        onset on. The first argument is not used: it makes a function of two times.
+        S is the limit shape of a limit of 1 rad; the demand is the deflection vector of both
+        planes, held from the onset on. The first argument is not used: it makes a function of two
+        times.
         """
         return limit_shape.gauge(pair.demand_between(np.full((1, 1), onset), T))
 

@@ -222,8 +222,8 @@ def _print_details(result: Availability, source: str) -> None:
     say(f"{name}, {result.model}, {PLANE_TEXTS[result.plane]}: {result.soundings}{gust}")
     say(f"Judged from {begin:.4g} to {end:.4g} s of the flight. {answer_tables.interval(result)}")
     say(
-        "A sounding that reaches its limit more than once is judged for this limit alone:"
-        " lower_deg and upper_deg of the CSV bracket its requirement."
+        "A sounding whose trim reaches the required deflection more than once is judged for the"
+        " given limit alone: lower_deg and upper_deg of the CSV bracket its requirement."
     )
 
 

@@ -106,7 +106,9 @@ def head_wind_boundary(
 ) -> tuple[ClosedLoopBoundary | None, bool]:
     """Return the boundary of an autopilot at the pressure in the wind, and whether that counts.
 
-    See `at_largest_pressure`. None where the pressure does not count, or is not known.
+    The largest dynamic pressure in the wind counts in a verdict where a head wind sets the
+    requirement `need` of the ideal trim law, or a measured wind raises the pressure (see
+    `at_largest_pressure`). The boundary is None where it does not count, or is not known.
     `plane_ratio`: limit of both planes over the limit of this plane.
     """
     denser, counts = at_largest_pressure(case, need)

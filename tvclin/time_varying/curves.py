@@ -232,9 +232,11 @@ class Curves:
     def _exit_from(
         self, demand: FloatArray, slope: FloatArray, dead_band: float
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the limit [rad] and the time [s] of the exit of a dead band, with any demand.
+        """Return the limit [rad] and the time [s] of the exit of a dead band, ``(n,)`` each.
 
-        `demand`: of n winds at begin, middle and end of S steps [rad], ``(n, S, 3)``. `slope`: its
+        The exit is where trim reaches K times the limit, which from then on is the demand: the
+        smallest limit that, held, survives the rest of the wind. `demand`: demand of n winds at
+        begin, middle and end of S steps [rad], ``(n, S, 3)``. `slope`: its
         slope at begin and end [rad/s], ``(n, S, 2)``. `dead_band`: K, above zero. Where trim is in
         the dead band, the limit is the largest trim over K, at the time of the largest trim. The
         limit is NaN for a wind of two signs.

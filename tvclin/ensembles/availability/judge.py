@@ -21,7 +21,7 @@ from tvclin.base.lines import plural
 from tvclin.ensembles.availability.marched_winds import Additions, MarchedWinds, PlaneMarch
 from tvclin.ensembles.availability.sounding_winds import (
     FlightPath,
-    LineWinds,
+    PolylineWinds,
     SoundingWinds,
     WindGrowth,
 )
@@ -380,7 +380,7 @@ class Judge:
             plane: (low < high) * soundings.interpolated(soundings.wind(azimuth, plane), height)
             for plane in PLANES
         }
-        along = LineWinds(np.interp(height, interval.path.height, interval.path.time), speeds)
+        along = PolylineWinds(np.interp(height, interval.path.height, interval.path.time), speeds)
         for plane, march in interval.marches.items():
             p = self.planes.index(plane)
             for sign, winds in self._of_signs(along, plane, soundings, height, strong):
@@ -389,12 +389,12 @@ class Judge:
 
     def _of_signs(
         self,
-        along: LineWinds,
+        along: PolylineWinds,
         plane: str,
         soundings: SoundingWinds,
         height: FloatArray,
         strong: bool,
-    ) -> Iterator[tuple[float, LineWinds]]:
+    ) -> Iterator[tuple[float, PolylineWinds]]:
         """Iterate over signs, 1 and -1, each with the winds that are judged for it.
 
         In `plane` the growth until launch is added with this sign; with `strong` a wind that is not
@@ -413,7 +413,7 @@ class Judge:
         judged = np.ptp(height, axis=1, keepdims=True) > 0.0
         for sign in (1.0, -1.0):
             speed = judged * (np.where(unknown, sign * size, wind) + sign * growth)
-            yield sign, LineWinds(along.times, along.speeds | {plane: speed})
+            yield sign, PolylineWinds(along.times, along.speeds | {plane: speed})
 
 
 @lru_cache(maxsize=8)

@@ -13,7 +13,12 @@ from functools import cached_property, partial
 import numpy as np
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
-from tvclin.ensembles.availability.sounding_winds import FlightPath, LineWinds, WindGrowth, on_lines
+from tvclin.ensembles.availability.sounding_winds import (
+    FlightPath,
+    PolylineWinds,
+    WindGrowth,
+    on_lines,
+)
 from tvclin.requirement.flight.flight_requirement import FlightMode
 from tvclin.time_varying import requirements as time_varying
 from tvclin.time_varying.curves import Curves, smaller
@@ -119,7 +124,7 @@ class PlaneMarch:
         """First and last time [s] of the interval."""
         return self.path.time[0], self.path.time[-1]
 
-    def stepped(self, winds: LineWinds) -> SteppedWinds:
+    def stepped(self, winds: PolylineWinds) -> SteppedWinds:
         """Return winds as the vehicle encounters them over the even steps, with its equations."""
         steps, equations = self._steps
         return SteppedWinds(equations, *self.path.encountered(steps, winds, self.plane))
@@ -136,7 +141,7 @@ class PlaneMarch:
         paired = np.broadcast_to(equations.paired, march.trim.shape)
         return march.limit_of_trim_law(paired, sign)
 
-    def bounds(self, winds: LineWinds) -> Bounds:
+    def bounds(self, winds: PolylineWinds) -> Bounds:
         """Return bounds of the required deflections [rad] of n winds, by trim and demand over time.
 
         Both are max(min(trim, demand)), or the minimum peak over all unstable modes if larger.
@@ -184,7 +189,7 @@ class PlaneMarch:
         return bool(np.any(mu_alpha < 0.0) or np.any(path_rate > 0.0))
 
     def _limit_at_levels(
-        self, winds: LineWinds, march: Curves, stepped: SteppedWinds
+        self, winds: PolylineWinds, march: Curves, stepped: SteppedWinds
     ) -> FloatArray:
         """Return the limit [rad] that n winds require at their levels, ``(n,)``.
 
@@ -217,7 +222,9 @@ class PlaneMarch:
         level = np.where(is_paired, np.abs(trim), smaller_size)
         return np.asarray(level.max(axis=1))
 
-    def with_gusts(self, winds: LineWinds, sign: float, additions: Additions) -> list[LineWinds]:
+    def with_gusts(
+        self, winds: PolylineWinds, sign: float, additions: Additions
+    ) -> list[PolylineWinds]:
         """Return winds with a gust: at the time of the largest wind, and of the requirement.
 
         These are two records of n winds; without a gust the winds themselves. `sign`: sign of wind
@@ -260,7 +267,7 @@ class PlaneMarch:
             speeds = self.path.speed_of_angle(sign * angle, at, self.plane)
         return np.where(calm[:, np.newaxis], 0.0, speeds)
 
-    def flights(self, winds: LineWinds) -> SteppedWinds:
+    def flights(self, winds: PolylineWinds) -> SteppedWinds:
         """Return winds and the calm after them over the finer steps of flights, with the equations.
 
         Each wind begins at its onset, counted in these steps. The equations of the even steps set
@@ -282,7 +289,7 @@ class MarchedWinds:
     """
 
     march: PlaneMarch
-    winds: LineWinds
+    winds: PolylineWinds
     bounds: Bounds
 
     def undecided(self, limit: FloatArray) -> tuple[BoolArray, BoolArray]:

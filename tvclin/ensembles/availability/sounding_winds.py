@@ -229,11 +229,12 @@ class FlightPath:
         return speed * np.sin(angle) / (1.0 if plane == "yaw" else np.sin(climb))
 
     def encountered(
-        self, steps: FloatArray, winds: LineWinds, plane: str
+        self, steps: FloatArray, winds: PolylineWinds, plane: str
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Return times [s], wind angles of attack [rad], q/q_n, ``(n, S, 3)``, and onsets.
 
-        They are of n winds over even steps. q/q_n is the dynamic pressure over the nominal one; an
+        They are of n winds over even steps, of which the one in which a wind begins starts at the
+        wind's onset: its times are its own. q/q_n is the dynamic pressure over the nominal one; an
         onset, where a wind begins, ``(n,)``, is counted in steps: 2.5 is the middle of the third.
         `steps`: times at begin, middle and end [s], ``(1, S, 3)``. `plane`: plane of the angles,
         pitch or yaw, which are at most 30 deg.
@@ -432,7 +433,7 @@ class SoundingWinds:
 
 
 @dataclass(frozen=True, eq=False)
-class LineWinds:
+class PolylineWinds:
     """Winds along a flight, straight between their times and zero beyond them.
 
     `times`: times [s] that do not decrease, ``(n, k)``. `speeds`: winds at these [m/s] by plane,
@@ -445,9 +446,9 @@ class LineWinds:
         default_factory=dict, init=False, repr=False
     )
 
-    def select(self, cases: IndexArray) -> LineWinds:
+    def select(self, cases: IndexArray) -> PolylineWinds:
         """Return some of the n winds; `cases`: their indices, in the order of the result."""
-        return LineWinds(self.times[cases], {k: x[cases] for k, x in self.speeds.items()})
+        return PolylineWinds(self.times[cases], {k: x[cases] for k, x in self.speeds.items()})
 
     def at_steps(self, ends: FloatArray) -> tuple[FloatArray, ...]:
         """Return times [s], winds along and across [m/s], and onsets, over even steps.
@@ -516,7 +517,7 @@ class LineWinds:
         plane: str,
         at: FloatArray,
         speed: Callable[[FloatArray, FloatArray], FloatArray],
-    ) -> LineWinds:
+    ) -> PolylineWinds:
         """Return the winds with a gust in a plane, whose middle is at the times `at` [s], ``(n,)``.
 
         `gust`: its wind angle over time. `plane`: "pitch" along the path, "yaw" across it. `speed`:
@@ -530,7 +531,7 @@ class LineWinds:
         gust_times = finer - at[:, np.newaxis] + middle
         angle = np.interp(gust_times, samples, gust(samples), left=0.0, right=0.0)
         speeds = {name: on_lines(times, values, finer) for name, values in self.speeds.items()}
-        return LineWinds(finer, speeds | {plane: speeds[plane] + speed(angle, finer)})
+        return PolylineWinds(finer, speeds | {plane: speeds[plane] + speed(angle, finer)})
 
 
 def on_lines(times: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:

@@ -414,10 +414,11 @@ class SizingRequest:
         return self._flight_winds(case).case_of(vehicle, pulse)
 
     def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
-        """Return the sizing; same exceptions as `size`.
+        """Return required deflections by flight time and wind; same exceptions as `size`.
 
-        For pulses it has the requirements of the largest dead band in head and tail winds as well.
-        `progress`: called with the numbers of finished and of all requirements.
+        For pulses (triangles and other shaped winds, unlike soundings) they include the largest
+        dead band in head and tail winds: it requires most. `progress`: called with the numbers of
+        finished and of all requirements.
         """
         return self._sizing_at(case, self.times(case), progress)
 

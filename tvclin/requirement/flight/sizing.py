@@ -186,7 +186,11 @@ class Sizing(Tabled):
     @property
     @derived(card=False)
     def beyond_single_pole(self) -> BoolArray:
-        """Whether m winds are beyond the single-pole theory at n flight times, ``(n, m)``."""
+        """Whether m winds are beyond the single-pole theory at n flight times, ``(n, m)``.
+
+        There the slow mode of the flight path, not the fast one of the attitude, sets the required
+        deflection: `slow_mode`, the ratio of the two, is negative or above one.
+        """
         return beyond_single_pole(self.slow_mode)
 
     @property

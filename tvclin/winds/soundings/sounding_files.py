@@ -459,10 +459,10 @@ class SoundingReading:
 
     @classmethod
     def of(cls, document: Mapping[str, Any], folder: Path) -> SoundingReading:
-        """Return the reading of the table [sounding] of a document; without one the default.
+        """Return the options for sounding files of a table [sounding]; without one the defaults.
 
-        `folder`: folder of the document, relative to which the table names the file of the bias,
-        the mean wind for which the flight path is biased.
+        `document`: a study file as nested tables. `folder`: its folder, relative to which the table
+        names the file of the bias, the mean wind for which the flight path is biased.
         """
         reading = READING_TABLE.made(document, lambda table: cls(**READING_TABLE.read(table)))
         if reading is None or reading.bias is None:
