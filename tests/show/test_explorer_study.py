@@ -106,12 +106,37 @@ def test_study_says_of_the_file_what_the_panel_says(written: tuple[Answer, Path]
 @every
 def test_margins_says_of_the_file_what_the_panel_says(written: tuple[Answer, Path]) -> None:
     here, path = written
-    there = document("margins", path)["margins"]
-
+    found = document("margins", path)
+    there, judged = found["margins"], found["criteria"]
     assert here.margins is not None
-    assert there["phase_margin_deg"] == pytest.approx(here.margins.phase_margin_deg, rel=1e-9)
-    assert there["aero_margin_dB"] == pytest.approx(here.margins.aero_margin_dB, rel=1e-9)
-    assert there["delay_margin_s"] == pytest.approx(here.margins.delay_margin, rel=1e-9)
+    assert (judged["name"], judged["satisfied"]) == (
+        here.margins.criteria.name,
+        here.margins.satisfied,
+    )
+    assert there["phase_margin_deg"] == pytest.approx(here.margins.whole.phase_margin_deg, rel=1e-9)
+    assert there["aero_margin_dB"] == pytest.approx(here.margins.whole.aero_margin_dB, rel=1e-9)
+    assert there["delay_margin_s"] == pytest.approx(here.margins.whole.delay_margin, rel=1e-9)
+
+
+def test_the_criteria_of_the_file_judge_and_are_written(tmp_path: Path) -> None:
+    """What satisfies the classic set misses a delay margin of half a second."""
+    own = "[study]\nvehicle = 'configuration-i'\n[wind]\npeak_deg = 5\nduration_s = 7.5\n"
+    classic, stricter = "name = 'classic'", "name = 'aircraft'\ndelay_margin_ms = 500"
+    for table, name, satisfied in (
+        (classic, "classic", True),
+        (stricter, "aircraft, with delay margin 500 ms", False),
+    ):
+        path, again = tmp_path / "own.toml", tmp_path / "written.toml"
+        path.write_text(f"{own}[criteria]\n{table}\n[autopilot]\ndesign = 'lqr'\n")
+        choices = moved(path)
+        again.write_text(study_text(choices))
+        here = answer(choices, 1).margins
+        assert here is not None
+        assert here.satisfied is satisfied
+        for file in (path, again):
+            there = document("margins", file)["criteria"]
+            assert (there["name"], there["satisfied"]) == (name, here.satisfied)
+        assert here.verdict.startswith(f"criteria {name}: ")
 
 
 @pytest.mark.thorough

@@ -18,7 +18,6 @@ from tvclin.base.tables import check_known
 from tvclin.case.flexible_autopilot import gain_notes, satisfying_rule
 from tvclin.cli.inputs import case_of, chosen, only_with
 from tvclin.cli.margins import (
-    JudgedMargins,
     margin_tables,
     margins_document,
     mode_notes,
@@ -44,6 +43,7 @@ from tvclin.cli.output import answer, draw, note_below, print_answer, print_tabl
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import DESIGNS, LEAST_NOZZLE, POLE_PLACEMENT_RULES
+from tvclin.control.autopilot.judged_margins import JudgedMargins
 from tvclin.control.margins.criteria import Criteria
 from tvclin.design.gain_designs import gain_trade_off, minimum_gains, specified_autopilot
 from tvclin.design.minimum_gains import PEAK, MinimumGains, UnsatisfiedCriteriaError

@@ -36,7 +36,6 @@ from tvclin.cli.flight_cases import (
 )
 from tvclin.cli.inputs import note_nominal_pressure
 from tvclin.cli.margins import (
-    JudgedMargins,
     parts_line,
     poles_document,
     print_autopilot,
@@ -46,6 +45,7 @@ from tvclin.cli.margins import (
 from tvclin.cli.options import ShownCurves
 from tvclin.cli.output import print_answer, print_json, print_tables, say
 from tvclin.cli.wind import wind_direction
+from tvclin.control.autopilot.judged_margins import JudgedMargins
 from tvclin.control.comparison import (
     TrimComparison,
     WorstDuration,

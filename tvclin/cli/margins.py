@@ -12,8 +12,8 @@ import typer
 
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import document
-from tvclin.base.lines import Table, listed, quantities, text
-from tvclin.base.quantities import NOMINAL, satisfaction, survival
+from tvclin.base.lines import Table, quantities
+from tvclin.base.quantities import NOMINAL, survival
 from tvclin.case.flexible_autopilot import gain_notes
 from tvclin.cli.inputs import FROZEN, case_of, note_omissions, note_single_time, only_with
 from tvclin.cli.options import (
@@ -36,13 +36,12 @@ from tvclin.cli.output import answer, draw, print_answer, print_tables, say, say
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE
-from tvclin.control.autopilot.detuning import Detuned, detuned, detuning_note, stable_ranges
+from tvclin.control.autopilot.detuning import Detuned, detuning_note, stable_ranges
+from tvclin.control.autopilot.judged_margins import JudgedMargins
 from tvclin.control.autopilot.margin_bounds import MarginBounds, margin_bounds
 from tvclin.control.laws.autopilot_law import SaturatedLaw
-from tvclin.control.margins.bands import BandMargins
-from tvclin.control.margins.criteria import Criteria, Judgement, band_table, margin_table
+from tvclin.control.margins.criteria import band_table, margin_table
 from tvclin.control.margins.loop import SampledLoop, poles_in_s
-from tvclin.control.margins.margins import Margins
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.flights.closed_loop.flown_margins import (
     FlownMargins,
@@ -66,54 +65,6 @@ _MIN_SHOWN_Z = 1e-3
 """Smallest pole z of a sampled loop that is shown: below, rounding turns those at 0 into others."""
 _KEYS = {"gain": "mode_gain_margin_dB", "phase": "mode_phase_margin_deg"}
 """Key of the required margin of a mode, by its stabilisation."""
-
-
-@dataclass(frozen=True, eq=False)
-class JudgedMargins:
-    """The margins of a loop, by band too of a flexible plant, and their criteria."""
-
-    autopilot: Autopilot
-    plant: AnyPlant
-    whole: Margins
-    bands: BandMargins | None
-    criteria: Criteria
-
-    @classmethod
-    def of(cls, autopilot: Autopilot, plant: AnyPlant, criteria: Criteria) -> "JudgedMargins":
-        """Return the margins of an autopilot with a plant, by band too where it is flexible.
-
-        `criteria`: criteria by which they are judged.
-        """
-        if plant.structure is None:
-            margins = autopilot.margins(plant)
-            return cls(autopilot, plant, whole=margins, bands=None, criteria=criteria)
-        bands = autopilot.band_margins(plant)
-        return cls(autopilot, plant, whole=bands.margins, bands=bands, criteria=criteria)
-
-    @property
-    def judged(self) -> tuple[Judgement, ...]:
-        """Judgement of each criterion of `criteria`: for the whole loop, and each flexible mode."""
-        return self.criteria.judge(self.bands or self.whole)
-
-    @property
-    def detuned(self) -> Detuned:
-        """The margins of a flexible vehicle's loop with detuned modes."""
-        assert isinstance(self.plant, FlexiblePlant)  # `margins` refuses it of all else
-        return detuned(self.autopilot, self.plant, criteria=self.criteria)
-
-    @property
-    def satisfied(self) -> bool:
-        """Whether the margins satisfy all criteria, by frequency band of a flexible plant."""
-        return bool(self.criteria.are_satisfied(self.bands or self.whole))
-
-    @property
-    def verdict(self) -> str:
-        """The verdict on the criteria in words, with the margins that miss their limits."""
-        head = f"criteria {self.criteria.name}: {satisfaction(self.satisfied)}"
-        if not self.whole.stable:
-            return f"{head}, {self.whole.reason}"
-        missed = [judgement for judgement in self.judged if not judgement.satisfied]
-        return f"{head} ({listed(text(item.shortfall) for item in missed)})" if missed else head
 
 
 def margin_tables(result: JudgedMargins, title: str = "Margins") -> tuple[Table, ...]:

@@ -17,8 +17,8 @@ from tvclin.base.package_warnings import pass_warnings
 from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.case.features import omission_notes
 from tvclin.case.flexible_autopilot import specified_law
+from tvclin.control.autopilot.judged_margins import JudgedMargins
 from tvclin.control.laws.registry import DEAD_BAND
-from tvclin.control.margins.margins import Margins
 from tvclin.flights.closed_loop.fly import fly
 from tvclin.flights.closed_loop.fly_many import NOT_KNOWN, OUTCOME_WORDS, fly_many
 from tvclin.kernels.choice import compiling_nothing
@@ -104,9 +104,9 @@ def requirement(plan: StudyPlan) -> CaseRequirement:
 
 
 @Cached
-def loop_margins(plan: StudyPlan) -> Margins:
-    """Return the margins of a plan's autopilot as `tvclin margins` prints them."""
-    return plan.autopilot.margins(plan.plant)
+def loop_margins(plan: StudyPlan) -> JudgedMargins:
+    """Return the margins of a plan's autopilot, judged, as `tvclin margins` prints them."""
+    return JudgedMargins.of(plan.autopilot, plan.plant, plan.margin_criteria)
 
 
 @Cached
@@ -198,7 +198,7 @@ class Answer:
     requirement: CaseRequirement | None
     motion: Motion | None
     outcome: str | None
-    margins: Margins | None
+    margins: JudgedMargins | None
     verdict: str
     notes: tuple[str, ...]
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tvclin.base.errors import InputError
+from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import parameters
 from tvclin.base.files import exists, write_new
 from tvclin.boundary.limit_shapes import LIMIT_SHAPES
@@ -29,6 +29,7 @@ from tvclin.control.autopilot.design_rules import (
 )
 from tvclin.control.autopilot.filter_table import CHAIN_OF_POSITION
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
+from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.linear.plant import MODELS
 from tvclin.requirement.case_requirement import pulse_of
@@ -80,9 +81,9 @@ class Choices:
 
     @property
     def margin_inputs(self) -> StudyPlan:
-        """Plan of the values on which the margins of the autopilot depend."""
-        p = self.plan
-        return _bare(p, vehicle=p.vehicle, nozzle=Nozzle(actuator=p.nozzle.actuator))
+        """Plan of the values on which the margins of the autopilot and their verdict depend."""
+        p, nozzle = self.plan, Nozzle(actuator=self.plan.nozzle.actuator)
+        return _bare(p, vehicle=p.vehicle, nozzle=nozzle, criteria=p.criteria)
 
     @property
     def requirement_inputs(self) -> StudyPlan:
@@ -263,11 +264,15 @@ def sliders(plan: StudyPlan, vehicles: list[AnyVehicle]) -> dict[str, Slider]:
 def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
     """Return the choices that the controls specify; all else comes from the plan of the file.
 
-    But criteria of the margins are always the classic ones. `base`: that plan, whose wind keeps its
+    Of its criteria those of modes need the structure. `base`: that plan, whose wind keeps its
     speeds while their angles are unchanged (`_speeds`), and its gust the time that it stays at its
     peak. `vehicle`: the chosen vehicle. `v`: values of the controls, by field; "stop" is the limit
     shape. `InputError` for values that the plan refuses.
     """
+    chosen = vehicle if v["structure"] else vehicle.rigid
+    criteria = base.criteria
+    if criteria is not None and chosen.structure is None:
+        criteria = criteria.without_mode_limits
     both_planes = v["plane"] == BOTH
     slanting = both_planes or v["direction"] == FROM_SIDE
     # frequencies of the actuator are chosen, its damping is the file's, or usual
@@ -290,7 +295,7 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         plane = base.plane if peaks[base.plane] else next(k for k, peak in peaks.items() if peak)
     plan = replace(
         base,
-        vehicle=vehicle if v["structure"] else vehicle.rigid,
+        vehicle=chosen,
         model=v["model"],
         plane=plane,
         wind=wind,
@@ -302,7 +307,7 @@ def choices_of(base: StudyPlan, vehicle: AnyVehicle, v: Values) -> Choices:
         ),
         design=_design(base.autopilot_design, v),
         dead_band=v["dead_band"],
-        criteria=None,
+        criteria=criteria,
         # None is the worse of head and tail wind; a control without effect does not count
         sign=None if v["sign"] == WORST or "sign" in idle_controls(base, vehicle, v) else v["sign"],
     )
@@ -459,6 +464,7 @@ def study_text(choices: Choices, source: str | None = None) -> str:
         *_wind(plan.wind),
         ("[nozzle]", _nozzle(choices)),
         *_autopilot(choices),
+        *_criteria(plan.criteria),
         *_turbulence(plan.turbulence),
     ]
     return f"# Written by tvclin explore, where the law {choices.law} was flown.\n" + "".join(
@@ -552,6 +558,23 @@ def _autopilot(choices: Choices) -> list[tuple[str, Table]]:
     ]
     named = [("[[autopilot.filter]]", filter_table) for filter_table in filters]
     return [("[autopilot]", _without_none(table)), *named]
+
+
+def _criteria(criteria: Criteria | None) -> list[tuple[str, Table]]:
+    """Return the table of a study file for criteria: a standard set, and its changed limits.
+
+    An empty list for None. `InputError` for a set of Python, which no file has.
+    """
+    if criteria is None:
+        return []
+    standard = criteria.base or criteria
+    name = one_of("criteria of a study file", standard.name, CRITERIA)
+    changed = {  # with the unit of the delay in its key
+        f"{r.margin}{'_s' if r.margin == 'delay_margin' else ''}": r.limit
+        for r in criteria.limits
+        if r not in standard.limits
+    }
+    return [("[criteria]", {"name": name} | changed)]
 
 
 def _turbulence(request: TurbulenceRequest | None) -> list[tuple[str, Table]]:

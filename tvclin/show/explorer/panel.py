@@ -498,16 +498,17 @@ def _paragraphs(*texts: str, weight: str = "normal") -> str:
 
 
 def _margins(result: Answer) -> str:
-    """Return the gains and margins of the autopilot of an answer, `result`, in a sentence."""
-    m, plan = result.margins, result.choices.plan
-    if m is None:
+    """Return gains, margins and verdict on the autopilot of an answer, `result`, in sentences."""
+    judged, plan = result.margins, result.choices.plan
+    if judged is None:
         return "Margins: none."
-    gains = plan.autopilot.gains_text
+    m, gains = judged.whole, plan.autopilot.gains_text
+    verdict = f"{judged.verdict[0].upper()}{judged.verdict[1:]}."
     head = f"Margins of the autopilot ({gains}), which the law {AUTOPILOT} flies: "
     if m.reason:
-        return f"{head}none, {m.reason}."
+        return f"{head}none. {verdict}"
     return head + (
         f"aero {m.aero_margin_dB:.1f} dB, gain increase {m.gain_increase_dB:.1f} dB, phase"
         f" {m.phase_margin_deg:.1f} deg at {m.crossover_frequency:.2f} rad/s, delay"
-        f" {1000.0 * m.delay_margin:.0f} ms, peak sensitivity {m.peak_sensitivity:.2f}."
+        f" {1000.0 * m.delay_margin:.0f} ms, peak sensitivity {m.peak_sensitivity:.2f}. {verdict}"
     )
