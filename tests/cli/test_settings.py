@@ -159,7 +159,17 @@ def test_a_vehicle_with_keys_has_its_flight():
         ("vehicle.thrust_kN", "-1", "Error: --set vehicle.thrust_kN: thrust must be positive"),
         ("wind.peak_rad", "6", "Error: --set wind.peak_rad: peak must be a wind angle within"),
         ("wind.peak_deg", "none", "Error: --set wind.peak_deg: [wind] needs its peak"),
-        ("wind.sounding", "x.csv", "a key is missing in [[wind]]: azimuth_rad or azimuth_deg"),
+        (
+            "wind.sounding",
+            "x.csv",
+            "Error: --set wind.sounding: a key is missing in [[wind]]: azimuth_rad or azimuth_deg",
+        ),
+        (
+            "gust.peak_deg",
+            "3",
+            "Error: --set gust.peak_deg: a key is missing in [gust]: duration_s",
+        ),
+        ("gust.peak_deg", "x", "Error: --set gust.peak_deg: peak_deg must be a number"),
     ],
 )
 def test_a_key_that_is_wrong_is_said_in_one_sentence(key, value, said):
@@ -226,9 +236,12 @@ def test_keys_that_exclude_each_other_are_refused():
         [("wind.peak_deg", "4"), ("wind.peak_speed_m_per_s", "3")],
         [("autopilot.design", "lqr"), ("autopilot.rate_gain_s", "3")],
         [("wind.peak_deg", "4"), ("wind.sounding", "wind.csv")],
+        [("gust.peak_deg", "4"), ("gust", "none")],
     ):
-        with pytest.raises(InputError, match="exclude each other"):
-            with_settings(V, pair)
+        first, second = (key for key, _ in pair)
+        # a third key, which excludes neither, is not blamed
+        with pytest.raises(InputError, match=f"{first} and {second} exclude each other"):
+            with_settings(V, [*pair, ("nozzle.limit_deg", "5")])
     with pytest.raises(InputError, match="given twice"):
         with_settings(V, [("wind.peak_deg", "4"), ("wind.peak_deg", "5")])
 

@@ -184,7 +184,8 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
 
     `values`: values of arguments and options of the command, by name. A line of the message that
     begins with the file and has the name of a quantity that --set changes begins with its key:
-    "my.toml: weight ..." becomes "--set vehicle.weight: weight ...".
+    "my.toml: weight ..." becomes "--set vehicle.weight: weight ...". So does a line on a key that
+    is missing in the table of that quantity.
     """
     from tvclin.base.files import called
 
@@ -193,7 +194,8 @@ def faulty_key(error: ValueError, values: Mapping[str, Any]) -> ValueError:
         return error
     for key, _ in pairs(values.get(_PARAMETER) or ()):
         # the name of the quantity later in the line, not as a part of another name
-        about = rf"(?=.*(?<![\w.\-]){_quantity(key)}(?![a-z]))"
+        heading = re.escape(f"[{key.partition('.')[0]}]")
+        about = rf"(?=.*(?<![\w.\-]){_quantity(key)}(?![a-z])|a key is missing in \[?{heading})"
         message = re.sub(rf"(?m)^{re.escape(called(source))}: {about}", f"--set {key}: ", message)
     return InputError(message)
 

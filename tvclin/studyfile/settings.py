@@ -233,17 +233,17 @@ def _changed(tables: dict[str, Any], settings: list[Setting]) -> dict[str, Any]:
     where the later removes the key of the earlier. [plant] and [controller], which have a single
     key, are removed with it.
     """
-    for setting in settings:
+    for k, setting in enumerate(settings):
         with naming(f"--set {setting.key}"):
             _put(tables, setting)
+        for earlier in settings[:k]:
+            if earlier.value is not None and not _exists(tables, earlier):
+                raise InputError(
+                    f"--set {earlier.key} and {setting.key} exclude each other; keep one"
+                )
     for name in {setting.parts[0] for setting in settings} & _SINGLE_KEY_TABLES:
         if not tables.get(name):
             tables.pop(name, None)
-    for setting in settings:
-        if setting.value is not None and not _exists(tables, setting):
-            others = [other.key for other in settings if other.value is not None]
-            others.remove(setting.key)
-            raise InputError(f"--set {setting.key} and {others[-1]} exclude each other; keep one")
     return tables
 
 
