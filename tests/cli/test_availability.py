@@ -118,7 +118,7 @@ def test_the_number_of_today_is_called_a_bound_where_it_is_one(lower, upper, wor
     """The CSV has both bounds of a sounding, so that the same word would name two numbers."""
     bounds = {"lower": np.radians(lower), "upper": np.radians(upper)}
     balloon = Today(**bounds, limit=np.radians(0.5), archive_fraction=np.nan, judged=(40, 90))
-    assert _verdict(balloon) == words
+    assert _verdict(balloon, (40, 90)) == words
 
 
 def test_the_exit_code_of_today_is_go_or_no_go(station, tmp_path) -> None:

@@ -295,14 +295,16 @@ class _Answer:
         """
         sizing, flights, ratio = self.sizing, self.flights, self.ratio
         name = sizing.schedule.vehicle.name or self.source
-        planes = "both planes, one limit" if sizing.separate else sizing.plane
+        planes, judged = sizing.plane, f"{sizing.plane} alone judged (--plane {BOTH} judges both)"
+        if sizing.separate:  # sizings of each plane alone, beside that of both
+            planes, judged = "both planes, one limit", "both planes judged"
         title = f"{name}, {sizing.model}, {planes}: {', '.join(sizing.winds)}"
         first, *further = tables.time_tables(sizing, self.counted)
         if flights is not None and flights.use is not None:
             first, further = flights.use.table(), [first, *further]
         in_turbulence = [] if self.turbulence is None else self.turbulence.tables()
         print_answer(
-            f"{self.verdict}; {_judged_planes(sizing)}",
+            f"{self.verdict}; {judged}",
             replace(first, caption=f"{title}\n{first.caption}"),
             *in_turbulence[:1],
             notes=(*sizing.notes, *self.notes, *(ratio.notes if ratio and more else ())),
@@ -328,13 +330,6 @@ class _Answer:
         if ratio is not None:
             print_tables(ratio.table)
             say_lines([ratio.verdict])
-
-
-def _judged_planes(sizing: Sizing) -> str:
-    """Return the planes that a sizing judges, in words, with the option for both."""
-    if sizing.separate:  # sizings of each plane alone, beside that of both
-        return "both planes judged"
-    return f"{sizing.plane} alone judged (--plane {BOTH} judges both)"
 
 
 def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:

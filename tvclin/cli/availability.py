@@ -32,7 +32,6 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.soundings.archive import Soundings
-from tvclin.winds.soundings.profile import WindProfile
 
 _REQUEST = "ensembles.availability.availability.AvailabilityRequest"
 _SHOWN_TIMES = {"start": "the first", "stop": "the last"}
@@ -111,8 +110,10 @@ def availability(
         towards = np.atleast_1d(request.azimuth if azimuths is None else azimuths)
         result = request.availability(plan, progress, towards)
     judged = () if balloon is None else result.today(balloon)
-    for note in () if balloon is None else _balloon_notes(result, balloon):
-        note_below(f"{called(today)}: {note}")
+    if balloon is not None:
+        sounding = Soundings.from_profiles([balloon], ["2000-01-01"])  # its time does not count
+        for note in (*balloon.notes, *unmeasured_notes(result.judge, sounding)):
+            note_below(f"{called(today)}: {note}")
     _write(result, source, csv, plot)
     answer(
         as_json,
@@ -120,12 +121,6 @@ def availability(
         lambda: _print(result, judged, source, more),
         all(day.go for day in judged) if judged else any(s.judged for s in result.fraction()),
     )
-
-
-def _balloon_notes(result: Availability, balloon: WindProfile) -> list[str]:
-    """Return the notes on the balloon of today, and on heights at which it measured no wind."""
-    sounding = Soundings.from_profiles([balloon], ["2000-01-01"])  # its time does not count
-    return [*balloon.notes, *unmeasured_notes(result.judge, sounding)]
 
 
 def _write(result: Availability, source: str, csv: Path | None, plot: Path | None) -> None:
@@ -197,7 +192,7 @@ def _print(result: Availability, launch: tuple[Today, ...], source: str, more: b
     days = zip(azimuths, result.fraction(), strict=True)
     shares = [f"towards {azimuth}: {fraction}" for azimuth, fraction in days]
     verdicts = [
-        f"today towards {azimuth}: {_verdict_with_times(day, result)}"
+        f"today towards {azimuth}: {_verdict(day, result.judge.flight.span)}"
         for azimuth, day in zip(azimuths, launch, strict=False)
     ]
 
@@ -227,32 +222,24 @@ def _print_details(result: Availability, source: str) -> None:
     )
 
 
-def _verdict_with_times(balloon: Today, result: Availability) -> str:
-    """Return the verdict on a launch in words, with the judged times if they are not all times.
-
-    `balloon`: verdict on the launch in the wind that one balloon measured today. Its `judged` are
-    the first and last flight time judged; its `why` is the reason of a verdict NOT KNOWN, to which
-    no times are added. `result`: availability, with the flight whose span are all times.
-    """
-    if balloon.why or balloon.judged == result.judge.flight.span:
-        return _verdict(balloon)
-    first, last = balloon.judged  # [s]
-    return f"{_verdict(balloon)}; from {first:.4g} to {last:.4g} s, the rest is not judged"
-
-
-def _verdict(balloon: Today) -> str:
+def _verdict(balloon: Today, span: tuple[float, float]) -> str:
     """Return the verdict GO, NO GO or NOT KNOWN on a launch, with its requirement in degrees.
 
     `balloon`: verdict on the launch from one balloon. GO shows the upper bound of the required
     deflection, "at most", NO GO the lower one, "at least", where these differ, and the fraction of
-    archived soundings that require less.
-    NOT KNOWN (`go` is None) shows its reason, or else both bounds.
+    archived soundings that require less. NOT KNOWN (`go` is None) shows its reason, `why`, or else
+    both bounds. Without such a reason the first and last flight time that are judged, `judged`,
+    follow if they are not `span`, those of the flight [s].
     """
+    times = ""
+    if not balloon.why and balloon.judged != span:
+        first, last = balloon.judged  # [s]
+        times = f"; from {first:.4g} to {last:.4g} s, the rest is not judged"
     if balloon.go is None:
         between = (
             f", between {np.degrees(balloon.lower):.3f} and {np.degrees(balloon.upper):.3f} deg"
         )
-        return f"NOT KNOWN{f', {balloon.why}' if balloon.why else between}"
+        return f"NOT KNOWN{f', {balloon.why}' if balloon.why else between}{times}"
     need = np.degrees(balloon.upper if balloon.go else balloon.lower)
     archive_text = (
         ""
@@ -261,4 +248,4 @@ def _verdict(balloon: Today) -> str:
     )
     bound = "at most " if balloon.go else "at least "
     required = f"required {bound if balloon.lower < balloon.upper else ''}{need:.3f} deg"
-    return f"{'GO' if balloon.go else 'NO GO'}, {required}{archive_text}"
+    return f"{'GO' if balloon.go else 'NO GO'}, {required}{archive_text}{times}"

@@ -1,8 +1,8 @@
 """`tvclin disperse`: the deflection that covers dispersed cases, in memory or in a folder."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from math import degrees
 from pathlib import Path
@@ -75,7 +75,10 @@ class FolderOptions:
     panel = "Folder"
 
     def run(self, campaign: Campaign) -> CampaignResults:
-        """Return the results of a campaign, computed in memory or into the folder."""
+        """Return the results of a campaign, computed in memory or into the folder.
+
+        An interrupted run into a folder prints how to continue.
+        """
         if self.folder is None:
             only_with("--folder", workers=self.workers, scheduler=self.scheduler, shard=self.shard)
             with bar("cases") as progress:
@@ -83,19 +86,15 @@ class FolderOptions:
         if exists(self.folder / NAME):
             for fault in damaged(self.folder, read_manifest(self.folder)).values():
                 say(f"Warning: {fault}", err=True)
-        with self._run_arguments(self.folder) as arguments:
-            return run_campaign(campaign, self.folder, **arguments)
-
-    @contextmanager
-    def _run_arguments(self, folder: Path) -> Iterator[dict[str, Any]]:
-        """Yield the arguments of a run into a folder; on an interrupt print how to continue."""
         try:
             with self._executor() as executor, bar("cases") as progress:
-                yield {"executor": executor, "shard": self.shard, "progress": progress}
+                return run_campaign(
+                    campaign, self.folder, executor=executor, shard=self.shard, progress=progress
+                )
         except KeyboardInterrupt:
             say(
-                f"Stopped; finished chunks are kept in {called(folder)}. The same command again"
-                " continues.",
+                f"Stopped; finished chunks are kept in {called(self.folder)}. The same command"
+                " again continues.",
                 err=True,
             )
             raise typer.Exit(130) from None

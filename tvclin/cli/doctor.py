@@ -32,20 +32,20 @@ def doctor(as_json: AsJson = False) -> None:
         print_json({"versions": python | versions, "extras": installed})
         return
     rows = [[name, version or "missing"] for name, version in (python | versions).items()]
-    extra = map(_row, installed, installed.values())
+    extra_rows = [
+        [
+            f"{extra}: {ADDS.get(extra, '')}",
+            ", ".join(f"{k} {v or 'missing'}" for k, v in of.items()),
+        ]
+        for extra, of in installed.items()
+    ]
     print_tables(
         words("Versions", ["package", "version"], rows),
-        words("Extras", ["extra: what it adds", "packages"], extra),
+        words("Extras", ["extra: what it adds", "packages"], extra_rows),
     )
     wanting = [extra for extra, names in installed.items() if None in names.values()]
     if wanting:
         say(f"To add what is missing: {install(*wanting)}")
-
-
-def _row(extra: str, versions: dict[str, str | None]) -> list[str]:
-    """Return the cells of an extra: its name and use, and the versions of its packages."""
-    packages = ", ".join(f"{name} {version or 'missing'}" for name, version in versions.items())
-    return [f"{extra}: {ADDS.get(extra, '')}", packages]
 
 
 def _requirements() -> tuple[list[str], dict[str, list[str]]]:

@@ -109,33 +109,16 @@ class Compared:
         """Notes on the wind angle, on the flight, and on the required deflection of the study."""
         required = () if self.required is None else (self.required.see_study,)
         angle = linear_notes(float(self.flying.wind.peak))
-        return (*angle, *self.flight_notes, *self._range_notes(), *required)
-
-    def _range_notes(self) -> Iterator[str]:
-        """Yield a note for each flight shown that leaves the range of its model in the wind.
-
-        The flight and its comparison have a largest attitude [rad] each, `ranges`, and a flag of
-        leaving it, `ended`. `columns`: names of those shown, the flight alone or both.
-        """
-        outcomes = zip(self.columns, self.flight.ranges, self.flight.ended, strict=False)
-        for name, limit, ended in outcomes:
-            if ended:
-                yield (
-                    f"the largest values, {name}, are until the attitude reaches"
-                    f" {np.degrees(limit):.0f} deg, before the wind ends"
-                )
-
-    def _peaks(self) -> dict[str, list[float]]:
-        """Return the peak of each quantity over the wind, of flight and comparison [deg]."""
-        return {name: np.degrees(self.flight.peaks(name)).tolist() for name in PEAKS}
-
-    def _boundaries_deg(self) -> list[float | None] | None:
-        """Return the smallest surviving limits [deg], flown and of the comparison, or None."""
-        if self.boundary is None:
-            return None
-        return [
-            None if boundary is None else float(np.degrees(boundary)) for boundary in self.boundary
+        # of the flights shown, the first or both, those that leave the range of their model
+        beyond = [
+            f"the largest values, {name}, are until the attitude reaches {np.degrees(limit):.0f}"
+            " deg, before the wind ends"
+            for name, limit, ended in zip(
+                self.columns, self.flight.ranges, self.flight.ended, strict=False
+            )
+            if ended
         ]
+        return (*angle, *self.flight_notes, *beyond, *required)
 
     def document(self) -> dict[str, Any]:
         """Return the flight and its comparison with the boundary, for JSON.
@@ -143,7 +126,11 @@ class Compared:
         Values of `both` are a pair by name: of the flight ("flown") and of its comparison, whose
         name is `reference`.
         """
-        flying, boundaries = self.flying, self._boundaries_deg()
+        flying = self.flying
+        peaks = {name: np.degrees(self.flight.peaks(name)).tolist() for name in PEAKS}
+        boundaries = self.boundary and [
+            None if boundary is None else float(np.degrees(boundary)) for boundary in self.boundary
+        ]
         return {
             "vehicle": flying.plan.vehicle.name,
             "engine": flying.engine,
@@ -153,7 +140,7 @@ class Compared:
             "wind": {"shape": flying.shape, **flying.wind.as_dict()},
             "limit_deg": np.degrees(self.limit),
             "survived": self.flight.survived,
-            "peaks_over_the_wind_deg": {k: self.both(v) for k, v in self._peaks().items()},
+            "peaks_over_the_wind_deg": {k: self.both(v) for k, v in peaks.items()},
             "ended_in_the_wind": self.both(self.flight.ended),
             "boundary_deg": None if boundaries is None else self.both(boundaries),
             "pressure": self.flying.pressure,
@@ -216,14 +203,9 @@ class Flying:
         return self.plan.one_sign_history if self.law == REPORT else self.plan.history
 
     @property
-    def unknown_wind(self) -> str:
-        """Reason why survival is not known in the wind, a sounding with gaps; often empty."""
-        return self.plan.unknown_wind
-
-    @property
     def unknown_suffix(self) -> str:
-        """End of the verdict: the reason why survival is not known in the wind; often empty."""
-        return f"; {self.unknown_wind}" if self.unknown_wind else ""
+        """End of the verdict: why survival is not known in a sounding with gaps; often empty."""
+        return f"; {self.plan.unknown_wind}" if self.plan.unknown_wind else ""
 
     def designed(self, plant: Plant) -> ReportControl | Law:
         """Return the report's control, or the law designed on a plant, with dead band or gains.
@@ -393,7 +375,7 @@ def fly_nonlinear(case: FlightCase, boundary: bool, length: float, points: int) 
     times = np.linspace(start, start + length, points)
     arguments = {"deflection_limit": limit, "boundary": case.boundary, **case.options}
     flight = compare_flight(case.vehicle, case.control, case.wind, times, **arguments)
-    flight = flight.in_unknown_wind() if case.unknown_wind else flight
+    flight = flight.in_unknown_wind() if case.plan.unknown_wind else flight
     ratio_text = f"{limit / case.boundary:.4g} times the linear boundary"
     rate = "" if case.plan.nozzle.rate_limit is None else " and no rate limit"
     return Compared(

@@ -103,16 +103,6 @@ class LinearCase(Flying):
         assert isinstance(chosen, Law)
         return with_filters(chosen, self.plan.autopilot_design)
 
-    def boundary(self, plant: AnyPlant) -> ClosedLoopBoundary:
-        """Return the boundary of the law on a plant: the smallest limit that survives the wind.
-
-        It is sought up to `MAX_LIMIT_OVER_TRIM` times trim.
-        """
-        hardware = self.plan.hardware
-        return closed_loop_boundary(
-            plant, self.control, self.wind, highest=MAX_LIMIT_OVER_TRIM, **hardware
-        )
-
     @property
     def title(self) -> str:
         """Lines on the vehicle, the wind, the equations and the law."""
@@ -141,14 +131,20 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
     """Return the flight of a case; the default limit is `LIMIT_OVER_BOUNDARY` times the boundary.
 
     `boundary`: whether the boundary is sought for a given limit too. `times`: times of the flight
-    [s], ``(n,)``. A flexible vehicle has two boundaries, its own and that of the rigid vehicle.
+    [s], ``(n,)``. A flexible vehicle has two boundaries, its own and that of the rigid vehicle:
+    the smallest limits that survive the wind, sought up to `MAX_LIMIT_OVER_TRIM` times trim.
     `InputError` without a finite boundary and without a limit.
     """
     boundaries = None
     limit = case.plan.nozzle.limit
     if limit is None or boundary:
         plants = (case.plant, case.plant.rigid) if case.is_flexible else (case.plant,)
-        boundaries = tuple(case.boundary(plant) for plant in plants)
+        boundaries = tuple(
+            closed_loop_boundary(
+                plant, case.control, case.wind, highest=MAX_LIMIT_OVER_TRIM, **case.plan.hardware
+            )
+            for plant in plants
+        )
     if limit is None:
         assert boundaries is not None
         limit = LIMIT_OVER_BOUNDARY * abs(boundaries[0].deflection)
@@ -157,7 +153,7 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
     flight = fly_sampled(
         case.plant, case.control, case.wind, times, deflection_limit=limit, **case.plan.hardware
     )
-    if case.unknown_wind:
+    if case.plan.unknown_wind:
         flight = flight.in_unknown_wind()
     return _compared(case, limit, flight, boundaries)
 
@@ -357,8 +353,8 @@ class AutopilotFlight:
             return False
         if self.requirement is not None:
             sufficient = self.requirement.sufficient(limit)
-            return None if sufficient and self.linear.unknown_wind else sufficient
-        if self.linear.unknown_wind:
+            return None if sufficient and self.case.unknown_wind else sufficient
+        if self.case.unknown_wind:
             return None
         within = self.compared.peak_deflection <= limit
         return True if within and self.compared.peak_deflection_rate <= max_rate else None
@@ -523,7 +519,7 @@ class AutopilotFlight:
                 bound = f"and below the bound for {wind}"
                 known = self.requirement.head is not None
                 reason = f"sufficient {NOMINAL}, {bound if known else 'not known at another'}"
-            reason = self.unknown_reason or self.linear.unknown_wind or reason
+            reason = self.unknown_reason or self.case.unknown_wind or reason
             if self.flight is None or reason not in self.flight.verdict:
                 word += f", {reason}"
         elif worst is not None and self.sufficient and limit < degrees(worst.peak_deflection):

@@ -65,17 +65,27 @@ def case_of(
     `source`: name of a vehicle or of a file. `changes`: functions that put options over the plan of
     the file, as `GainOptions.applied_to`. `wind`: likewise for the wind, as
     `PulseOptions.applied_to`. Notes on stderr name the effects that the `questions` neglect, and
-    implausible numbers of the vehicle; a question of the rigid vehicle alone gets that.
+    implausible numbers of the vehicle, such as a dynamic pressure that contradicts speed and
+    altitude; a question of the rigid vehicle alone gets that.
     """
+    from tvclin.ascent.schedule_file import pressure_warnings  # late: with a flight
+
     plan = load_study(source, time)
     if "study" not in questions:  # which has them among its own notes
         note_vehicle_warnings(plan.vehicle)
-    note_pressure_warnings(source)
+    with suppress(InputError):  # a study with the numbers of its vehicle, which have no altitude
+        for warning in pressure_warnings(vehicle_source(source)):
+            note_below(warning)
     plane = plan.plane
     for change in changes:
         plan = change(plan)
-    if plan.plane != plane:
-        plan = replace(plan, wind=_wind_in_own_plane(plan))
+    if plan.plane != plane:  # speeds of the wind have other angles in this plane
+        own = plan.wind
+        if isinstance(own, SoundingWind) and isinstance(own.gust, GustOfSpeed):
+            own = replace(own, gust=replace(own.gust, plane=plan.plane))
+        elif isinstance(own, ShapedWind) and isinstance(plan.vehicle, Vehicle):
+            own = own.for_vehicle(plan.vehicle, plan.plane)
+        plan = replace(plan, wind=own)
     if wind is not None:
         plan = wind(plan, source)
     if questions:
@@ -84,16 +94,6 @@ def case_of(
         criteria = plan.criteria and plan.criteria.without_mode_limits
         plan = replace(plan, vehicle=plan.vehicle.rigid, criteria=criteria)
     return plan
-
-
-def _wind_in_own_plane(plan: StudyPlan) -> Any:
-    """Return the wind of a plan, with the angles that its speeds have in the plane of the plan."""
-    wind = plan.wind
-    if isinstance(wind, SoundingWind) and isinstance(wind.gust, GustOfSpeed):
-        return replace(wind, gust=replace(wind.gust, plane=plan.plane))
-    if isinstance(wind, ShapedWind) and isinstance(plan.vehicle, Vehicle):
-        return wind.for_vehicle(plan.vehicle, plan.plane)
-    return wind
 
 
 def keys_set(source: str) -> tuple[str, ...]:
@@ -105,18 +105,6 @@ def note_vehicle_warnings(vehicle: AnyVehicle) -> None:
     """Print warnings on implausible numbers of a vehicle, on stderr."""
     for doubt in vehicle_warnings(vehicle) if isinstance(vehicle, Vehicle) else ():
         note_below(doubt)
-
-
-def note_pressure_warnings(source: str) -> None:
-    """Print on stderr a warning on a dynamic pressure that contradicts speed and altitude.
-
-    `source`: a vehicle, study or campaign file, or a flight schedule.
-    """
-    from tvclin.ascent.schedule_file import pressure_warnings  # late: with a flight
-
-    with suppress(InputError):  # a study with the numbers of its vehicle, which have no altitude
-        for warning in pressure_warnings(vehicle_source(source)):
-            note_below(warning)
 
 
 def note_omissions(case: Case, *questions: str, tables: Collection[str] = ()) -> None:

@@ -297,23 +297,17 @@ class _Answer:
     def notes(self) -> tuple[str, ...]:
         """Notes on modes slightly off their frequency, and on the gains of the autopilot.
 
-        `case.margin_criteria`: the criteria for the margins, classic ones by default.
+        The note on modes that make a stable loop unstable near their frequency is left out where
+        the table of detuned modes, `detuned`, shows that anyway. `case.margin_criteria`: the
+        criteria for the margins, classic ones by default.
         """
-        satisfied, margins = self.margins.satisfied, self.margins.whole
-        notes = gain_notes(self.case, self.case.margin_criteria, satisfied, margins.delay_margin)
-        return (*self._detuning_notes(), *notes)
-
-    def _detuning_notes(self) -> Iterator[str]:
-        """Yield the note on modes that make a stable loop unstable near their frequency.
-
-        There is none where the table of detuned modes, `detuned`, shows that anyway.
-        """
-        loop = self.margins
+        loop, of_modes = self.margins, ""
         if self.detuned is None and loop.whole.stable and loop.bands and loop.bands.modes:
             assert isinstance(loop.plant, FlexiblePlant)
-            note = detuning_note(stable_ranges(loop.autopilot, loop.plant))
-            if note:
-                yield f"{note}; --detuned shows the margins"
+            of_modes = detuning_note(stable_ranges(loop.autopilot, loop.plant))
+        notes = (f"{of_modes}; --detuned shows the margins",) if of_modes else ()
+        delay, criteria = loop.whole.delay_margin, self.case.margin_criteria
+        return (*notes, *gain_notes(self.case, criteria, loop.satisfied, delay))
 
     @property
     def satisfied(self) -> bool:

@@ -1,6 +1,6 @@
 """`tvclin nozzle`: limits over rate or load in a wind, and the duty of the nozzle over a flight."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -190,24 +190,20 @@ def _print_in_a_wind(
     )
     shown.write(result.curves, result.chart)
     note_nominal_pressure(case)
+    flown = (*names, *(_every_law(case) if options.laws else ()))
+    gain_notes = textbook_notes(case) if AUTOPILOT in flown else ()
     answer(
         shown.as_json,
         lambda: winds.document(case, required) | result.document,
         lambda: print_answer(
             result.verdict(required) + cut_condition(case),
             *result.tables,
-            notes=(*_gain_notes(case, options), *result.notes),
+            notes=(*gain_notes, *result.notes),
             more=more,
             details=lambda: _print_details(result.further, case if AUTOPILOT in names else None),
         ),
         result.satisfied,
     )
-
-
-def _gain_notes(case: StudyPlan, options: NozzleOptions) -> Iterator[str]:
-    """Yield a note on unspecified gains of a case if its autopilot is among the laws of options."""
-    if AUTOPILOT in (*options.names, *(_every_law(case) if options.laws else ())):
-        yield from textbook_notes(case)
 
 
 def _print_details(further: Iterable[Table], flown: StudyPlan | None) -> None:
@@ -306,7 +302,10 @@ def over_rate(
     with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
         theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
-    laws = _flown_limits(case) if every_law else None  # limit of each law over the rate limit
+    laws: FlownTradeOff | None = None  # limit of each law over the rate limit
+    if every_law:
+        with bar("boundaries") as progress:
+            laws = flown_trade_offs({"": case}, laws=_every_law(case), progress=progress)[""]
     drawn = laws or trade_off
     first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
     rates = _RequiredRates(theory, autopilot_rates, REQUIRED if limit is None else "limit")
@@ -476,12 +475,6 @@ def _rate_text(required_rate: float, at: str, law: str, least: str = "") -> str:
     return f"{REQUIRED_RATE} of {law} with the {at} {least}{rate}"
 
 
-def _flown_limits(case: StudyPlan) -> FlownTradeOff:
-    """Return the limits that the laws of a case require in flight, over the rate limit."""
-    with bar("boundaries") as progress:
-        return flown_trade_offs({"": case}, laws=_every_law(case), progress=progress)[""]
-
-
 def _every_law(case: StudyPlan) -> tuple[str, ...]:
     """Return the names of the laws that --laws flies: those of a study file, or all."""
     return tuple(LAWS) if case.laws is None else case.laws.names
@@ -498,7 +491,13 @@ def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
     with waiting("flying"):
         flown = [FlownLoad.of(case, name, limited_law(case, name), case.load) for name in names]
     with waiting("angle over load"):
-        trade_off = _load_trade_off(case)
+        if case.load is None:  # the load is the angle of attack
+            rate = np.inf if case.nozzle.rate_limit is None else case.nozzle.rate_limit
+            trade_off = load_trade_off(
+                case.plant.rigid, case.history, limit=case.nozzle.limit, rate_limit=rate
+            )
+        else:
+            trade_off = case.load.trade_off(case)
     curve, point = trade_off.tables()
     return TradeOffAnswer(
         trade_off=trade_off,
@@ -515,18 +514,6 @@ def over_load(case: StudyPlan, title: str, names: list[str]) -> TradeOffAnswer:
         curves=lambda: plots.load_curves(trade_off, flown),
         chart=lambda _: plots.load_chart(trade_off, flown, title.replace(": ", "\n")),
     )
-
-
-def _load_trade_off(case: StudyPlan) -> LoadTradeOff:
-    """Return the trade-off curve of deflection limit over load of a case, in its wind.
-
-    With the load limit of the file, if it has one; else the load is the angle of attack [rad].
-    """
-    if case.load is not None:
-        return case.load.trade_off(case)
-    limit, rate = case.nozzle.limit, case.nozzle.rate_limit
-    fastest = np.inf if rate is None else rate
-    return load_trade_off(case.plant.rigid, case.history, limit=limit, rate_limit=fastest)
 
 
 def _titled(title: str, table: Table, *others: Table) -> tuple[Table, ...]:

@@ -387,11 +387,6 @@ class FlownLaw:
         """Return a plan with the values of all these options."""
         return self.gains.applied_to(self.timing.applied_to(plan))
 
-    def only_with(self, needed: str) -> None:
-        """Raise `InputError` if any of these options is given without what it requires."""
-        self.gains.only_with(needed)
-        self.timing.only_with(needed)
-
     def only_with_autopilot(self, source: str) -> None:
         """Raise `InputError` for gains of a law without gains.
 

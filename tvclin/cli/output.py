@@ -222,11 +222,9 @@ def _print_quantities(title: str, rows: Sequence[Sequence[str]]) -> None:
     console = Console(highlight=False)
     grid = Grid(box=None, show_header=False, padding=(0, 2, 0, 0))
     widest = sum(max(map(len, column), default=0) + 2 for column in zip(*rows, strict=True))
-    across = (
-        max(1, min(_MAX_PAIRS_ACROSS, console.width // (widest + 2)))
-        if len(rows) > _MAX_SINGLE_COLUMN_ROWS
-        else 1
-    )
+    across = 1
+    if len(rows) > _MAX_SINGLE_COLUMN_ROWS:
+        across = max(1, min(_MAX_PAIRS_ACROSS, console.width // (widest + 2)))
     cells = [Text(text) for row in rows for text in row]
     for start in range(0, len(cells), 2 * across):
         grid.add_row("", *cells[start : start + 2 * across])

@@ -230,9 +230,10 @@ def respond(
     trim = bounded_trim(plan, winds.name(plan), plan.dead_band, capability, until)
     # extremes of the attitude, and the time up to which the response is shown
     largest, shown = trim.followed(until * float(trim.wind.end))
+    name = plan.vehicle.name or "Response"
     files.write(
         lambda: _curves(trim, np.linspace(0.0, shown.time, points)),
-        lambda curves: plots.response_chart(curves, _title(trim)),
+        lambda curves: plots.response_chart(curves, f"{name}: exact response\n{trim.words}"),
     )
     note_nominal_pressure(plan)
     note_one_sign(plan.wind, plan, "the boundary and its control")
@@ -256,11 +257,6 @@ def _curves(trim: BoundedTrim, times: FloatArray) -> "Curves":
     return response_curves(
         response, "respond", what, limit=trim.limit, deflection=deflection, wind=wind
     )
-
-
-def _title(trim: BoundedTrim) -> str:
-    """Return the title of the figure of a response: its vehicle, below it wind and limit."""
-    return f"{trim.case.vehicle.name or 'Response'}: exact response\n{trim.words}"
 
 
 def _print(trim: BoundedTrim, largest: Extremes, shown: ResponseEnd, more: bool) -> None:

@@ -136,10 +136,8 @@ def study(
 
 def _document(findings: Findings) -> dict[str, Any]:
     """Return the study of findings with its questions and notes, for JSON."""
-    extra: dict[str, Any] = {}
-    for name in ("dispersed", "turbulence"):
-        if getattr(findings, name) is not None:
-            extra[name] = getattr(findings, name)
+    extra = {"dispersed": findings.dispersed, "turbulence": findings.turbulence}
+    extra = {name: value for name, value in extra.items() if value is not None}
     all_notes = [*findings.study.notes, *_further_notes(findings)]
     answers = {"questions": questions(findings), "all_answers_yes": sufficient(findings)}
     return findings.study.as_dict() | extra | answers | {"notes": all_notes}
