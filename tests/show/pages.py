@@ -2,7 +2,7 @@
 
 from html.parser import HTMLParser
 
-from tvclin.show.report.page import section_html
+from tvclin.show.report.page import _environment, _names
 from tvclin.studyfile.findings import Findings
 
 _CELLS = ("caption", "th", "td", "p", "li", "figcaption")
@@ -62,4 +62,5 @@ class Page(HTMLParser):
 
 def section(findings: Findings, name: str) -> Page:
     """Return a section of the page of findings; empty where the page has none."""
-    return Page(section_html(findings, name))
+    template = _environment().get_template("sections.html")
+    return Page("".join(template.blocks[name](template.new_context(_names(findings)))))

@@ -78,6 +78,7 @@ _ANGLE_DIGITS = 3
 _SIGNIFICANT_DIGITS = 4
 """Significant digits of another number in tables."""
 _EXPONENTS = str.maketrans("23", "²³")
+_SIGN_CHECKS = (errors.positive, errors.nonnegative, errors.nonzero)
 _TEMPLATE_WIDTH = 96
 """Characters per line of a template."""
 _UNIT = re.compile(r" \[[^\]]+\]")
@@ -356,36 +357,31 @@ def quantity(
     `default`: of the field; required without one. `check`: of the number, a function of name, value
     and unit. `more`: further attributes of its `Field`.
     """
-    return _field(Field(kind=kind, check=check, **more), default)
+    return field(default=default, metadata=specs(Field(kind=kind, check=check, **more)))
 
 
 def word(choices: Iterable[str], default: Any = MISSING, **more: Any) -> Any:
     """Return a dataclass field for one of `choices`, with a `default`; `more`: of its `Field`."""
     allowed = tuple(choices)
     more = {"check": partial(errors.one_of, choices=allowed)} | more
-    return _field(Field(kind="text", choices=allowed, **more), default)
+    return field(default=default, metadata=specs(Field(kind="text", choices=allowed, **more)))
 
 
 def text(default: Any = MISSING, **more: Any) -> Any:
     """Return a dataclass field for a printable text, with a `default`; `more`: of its `Field`."""
-    return _field(Field(kind="text", check=errors.text, **more), default)
+    return field(default=default, metadata=specs(Field(kind="text", check=errors.text, **more)))
 
 
 def flag(default: Any = MISSING, **more: Any) -> Any:
     """Return a dataclass field for True or False, with a `default`; `more`: of its `Field`."""
-    return _field(Field(kind="flag", check=errors.flag, **more), default)
+    return field(default=default, metadata=specs(Field(kind="flag", check=errors.flag, **more)))
 
 
 def count(
     default: Any = MISSING, check: Callable[..., Any] = errors.whole_number, **more: Any
 ) -> Any:
     """Return a dataclass field for an integer, with `default`, `check`; `more`: of its `Field`."""
-    return _field(Field(kind="count", check=check, **more), default)
-
-
-def _field(item: Field, default: Any) -> Any:
-    """Return a dataclass field with a `default` whose metadata holds its specification `item`."""
-    return field(default=default, metadata=specs(item))
+    return field(default=default, metadata=specs(Field(kind="count", check=check, **more)))
 
 
 def spec(kind: str = "", label: str = "", **more: Any) -> Mapping[str, Any]:
@@ -506,18 +502,13 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
         lists=(*(item.file_key for item in specified if item.many), *more.get("lists", ())),
         # attributes by key, where that is not the attribute's name
         fields={item.key: item.name for item in specified if item.key},
-        checks={item.file_key: item.check for item in single if _in_any_unit(item)},
-    )
-
-
-def _in_any_unit(item: Field) -> bool:
-    """Return whether the check of the number `item`, such as a sign, holds in any unit.
-
-    Checks of angles do, since they know rad and deg (`small_angle`); a range of other numbers
-    (`between`) is one in SI units.
-    """
-    return item.numeric and (
-        item.kind == "angle" or item.check in (errors.positive, errors.nonnegative, errors.nonzero)
+        # checks that hold in any unit: of a sign, and of angles, which know rad and deg; a range of
+        # other numbers (`between`) is in SI units
+        checks={
+            item.file_key: item.check
+            for item in single
+            if item.numeric and (item.kind == "angle" or item.check in _SIGN_CHECKS)
+        },
     )
 
 

@@ -199,8 +199,15 @@ def read_text(path: Path, kind: str, start: str = "", encodings: tuple[str, ...]
     `InputError` for an empty file, and a line that is too long. `encodings`: UTF-8, or `ENCODINGS`
     of tables that spreadsheets write.
     """
-    content, name = read_bytes(path, kind, start), called(path)
-    text = _decoded(content, name, encodings)
+    content, name, text = read_bytes(path, kind, start), called(path), None
+    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in encodings:  # the first that fits; UTF-16 exactly where the bytes have its mark
+        if text is None and marked == (encoding == "utf-16"):
+            with suppress(UnicodeDecodeError):
+                text = content.decode(encoding)
+    if text is None:
+        others = "" if encodings == UTF_8 else ", UTF-16 or code page 1252"
+        raise InputError(f"{name} is not a text file in UTF-8{others}")
     if not text.strip():
         raise InputError(f"{name} is empty{_hint(start)}")
     _check_lines(text, name)
@@ -232,20 +239,6 @@ def read_bytes(path: Path, kind: str, start: str = "") -> bytes:
 def _hint(start: str) -> str:
     """Return the end of a message, `start`: how to get a file; "" if that is empty."""
     return f"; {start}" if start else ""
-
-
-def _decoded(content: bytes, name: str, encodings: tuple[str, ...]) -> str:
-    """Return the text of bytes `content` in the first fitting of `encodings`; else `InputError`.
-
-    It is UTF-16 exactly where they begin with its mark. `name`: of the file, in the message.
-    """
-    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-    for encoding in encodings:
-        if marked == (encoding == "utf-16"):
-            with suppress(UnicodeDecodeError):
-                return content.decode(encoding)
-    others = "" if encodings == UTF_8 else ", UTF-16 or code page 1252"
-    raise InputError(f"{name} is not a text file in UTF-8{others}")
 
 
 def tables_of(text: str, source: str) -> dict[str, Any]:

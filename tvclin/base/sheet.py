@@ -18,6 +18,7 @@ from tvclin.base.arrays import BoolArray, FloatArray, IntArray
 from tvclin.base.errors import InputError, shown
 from tvclin.base.errors import path as a_path
 from tvclin.base.files import ENCODINGS, called, read_text
+from tvclin.base.lines import plural
 from tvclin.base.units import WRITTEN, Unit, unit_of
 
 Cells = tuple[str, ...]
@@ -407,8 +408,8 @@ def _rows(text: Text, head: int, headings: Headings, separator: str) -> Sheet:
             hint = "; are there decimal commas?" if len(cells) > len(headings) else ""
             raise text.error(
                 n,
-                f"there are {len(headings)} names and {len(cells)} cell{'s' * (len(cells) != 1)} in"
-                f" this line{hint}",
+                f"there are {len(headings)} names and {plural(len(cells), 'cell')} in this line"
+                f"{hint}",
             )
         rows.append(tuple(cells))
         line.append(n)
@@ -425,8 +426,8 @@ def _skipped(lines: tuple[str, ...]) -> tuple[str, ...]:
     above = [line for line in above if not line.startswith("<")]
     if not above:
         return ()
-    count = f"{len(above)} line{'s' * (len(above) != 1)}"
-    return (f"{count} above the names of columns skipped, the first {shown(above[0])}",)
+    count, first = plural(len(above), "line"), shown(above[0])
+    return (f"{count} above the names of columns skipped, the first {first}",)
 
 
 def _with_decimal_points(text: Text, line: list[int], rows: list[Cells]) -> list[Cells]:

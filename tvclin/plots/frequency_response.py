@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tvclin.base.errors import InputError, instance
+from tvclin.base.lines import plural
 from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.margins.criteria import CRITERIA, Criteria
@@ -448,9 +449,8 @@ def _encirclements_text(response: Any, samples: LoopSamples) -> str:
     # python-control counts clockwise
     turns, open_loop = -response.count, unstable_poles(samples.loop)
     direction = "counterclockwise" if turns >= 0 else "clockwise"
-    times = f"{abs(turns)} {direction} encirclement{'s' * (abs(turns) != 1)} of -1"
-    poles = f"{open_loop} unstable open-loop pole{'s' * (open_loop != 1)}"
-    return f"{times}, {poles}: {samples.verdict}"
+    times = plural(abs(turns), f"{direction} encirclement")
+    return f"{times} of -1, {plural(open_loop, 'unstable open-loop pole')}: {samples.verdict}"
 
 
 def _max_magnitude(samples: LoopSamples) -> float:

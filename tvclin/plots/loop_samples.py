@@ -13,7 +13,7 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
 from tvclin.base.errors import InputError, instance
-from tvclin.base.lines import significant, text
+from tvclin.base.lines import plural, significant, text
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.autopilot.system_autopilot import SystemAutopilot
@@ -192,7 +192,7 @@ def loop_words(autopilot: Autopilot, plant: AnyPlant) -> str:
     terms = [autopilot.gains_text]
     filters = sum(len(getattr(autopilot, name)) for name in CHAINS)  # of attitude, rate and sum
     if filters:
-        terms.append(f"{filters} filter{'s' * (filters > 1)}")
+        terms.append(plural(filters, "filter"))
     if autopilot.actuator is not None:
         terms.append(f"actuator {autopilot.actuator.natural_frequency:.4g} rad/s")
     if autopilot.delay:

@@ -82,12 +82,7 @@ def _styles(sizing: Sizing) -> dict[str, Style]:
         kind = replace(requirement, varying=False, direction="")
         style: Style = {"color": colours[kind], "lw": 1.8, "ls": lines[kind]}
         if requirement.direction:
-            style = {
-                "ls": "",
-                "marker": _MARKS[requirement.direction],
-                "ms": 4.5,
-                "color": colours[kind],
-            }
+            style |= {"ls": "", "marker": _MARKS[requirement.direction], "ms": 4.5}
         elif requirement.varying:
             style |= {"ls": "", "marker": "o", "ms": 4.5, "mfc": "none"}
         styles[heading_of(requirement.label)] = style
@@ -188,14 +183,12 @@ def availability_chart(availability: Availability, name: str = "") -> "ControlPl
     )
     plot = draw(curves, look)
     axes = plot.axes[0, 0]
-    axes.axvline(np.degrees(availability.limit), color=WARM, lw=1.4)
-    axes.annotate(
-        "limit",
-        (np.degrees(availability.limit), 2.0),
-        xytext=(4, 0),
-        textcoords="offset points",
-        color=WARM,
+    limit, beside = (
+        np.degrees(availability.limit),
+        {"xytext": (4, 0), "textcoords": "offset points"},
     )
+    axes.axvline(limit, color=WARM, lw=1.4)
+    axes.annotate("limit", (limit, 2.0), color=WARM, **beside)
     return plot
 
 

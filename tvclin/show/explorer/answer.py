@@ -31,7 +31,6 @@ from tvclin.requirement.plane_requirement import direction_notes
 from tvclin.requirement.study import along_the_path, gust_placed, vehicle_warnings
 from tvclin.show.explorer.choices import CONTROLS, LONGEST, REPORT, Choices
 from tvclin.studyfile.study_plan import StudyPlan
-from tvclin.winds.histories import History
 from tvclin.winds.shaped import ShapedWind
 from tvclin.winds.wind_angles import beyond_linear, linear_notes
 
@@ -122,10 +121,12 @@ def motion(plan: StudyPlan, law: str) -> Motion:
     `law`: name of the law. The response to the report's control is exact, as by `tvclin respond`;
     a law is flown by the engine of `tvclin fly --engine linear`. The report's control trims and
     then holds the limit, with the sign against the wind. `InputError` for a vehicle without a
-    moment.
+    moment. It is shown from the onset of the wind until some time constants after it.
     """
     wind = plan.history
-    times = _times(plan, wind)
+    beta = float(np.sqrt(np.abs(np.asarray(plan.plant.rigid.coefficients.mu_alpha))))
+    after = min(_FOLLOWED_TIME_CONSTANTS / beta, _MAX_FOLLOWED_S) if beta else _MAX_FOLLOWED_S
+    times = np.linspace(float(wind.onset), float(wind.end) + after, _TIME_POINTS)
     if one_of("law", law, CONTROLS) == REPORT:
         plant = Plant.from_vehicle(plan.vehicle, plan.model, plan.plane)
         sign = -float(np.sign(plant.coefficients.B)) * float(np.sign(wind.peak))  # that of trim
@@ -138,7 +139,8 @@ def motion(plan: StudyPlan, law: str) -> Motion:
         deflection = trim_then_hold(plant, wind, sign * plan.nozzle.limit, plan.dead_band)
         response = attitude_responses(plant, deflection, wind, times)
         return Motion(times, wind(times), response["attitude"], deflection(times))
-    flown = fly(plan.plant, _law(plan, law), wind, times, **_nozzle(plan))
+    hardware = {"deflection_limit": plan.nozzle.limit, **plan.hardware}
+    flown = fly(plan.plant, _law(plan, law), wind, times, **hardware)
     return Motion(times, wind(times), flown.outputs["attitude"], flown.outputs["deflection"])
 
 
@@ -152,28 +154,14 @@ def outcome(plan: StudyPlan, law: str) -> str | None:
         return None
     if beyond_linear(float(plan.history.peak)):
         return NOT_KNOWN
-    return str(fly_many(plan.plant, _law(plan, law), plan.history, **_nozzle(plan)).status)
+    hardware = {"deflection_limit": plan.nozzle.limit, **plan.hardware}
+    return str(fly_many(plan.plant, _law(plan, law), plan.history, **hardware).status)
 
 
 def _law(plan: StudyPlan, name: str) -> Any:
     """Return the law of a name for a plan, with the dead band and the rate limit of the plan."""
     parameters = {"dead_band": plan.dead_band} if name == DEAD_BAND else {}
     return specified_law(plan, name, plan.hardware["rate_limit"], **parameters)
-
-
-def _nozzle(plan: StudyPlan) -> dict[str, Any]:
-    """Return the arguments of flights for the nozzle of a plan, by name."""
-    return {"deflection_limit": plan.nozzle.limit, **plan.hardware}
-
-
-def _times(plan: StudyPlan, wind: History) -> FloatArray:
-    """Return times [s] from the onset of a wind until some time after it, ``(401,)``.
-
-    `plan`: its vehicle sets the time after the wind, some time constants.
-    """
-    beta = float(np.sqrt(np.abs(np.asarray(plan.plant.rigid.coefficients.mu_alpha))))
-    after = min(_FOLLOWED_TIME_CONSTANTS / beta, _MAX_FOLLOWED_S) if beta else _MAX_FOLLOWED_S
-    return np.linspace(float(wind.onset), float(wind.end) + after, _TIME_POINTS)
 
 
 _UNKNOWN = CachedAnswer(None, ())
@@ -298,18 +286,14 @@ def _notes(choices: Choices, requirement: CaseRequirement) -> list[str]:
     `choices`: the values of the controls. `requirement`: the required deflection in their wind.
     """
     plan, nominal = choices.plan, requirement.at_nominal_pressure
+    of_planes = {"both_judged": False, "at_nominal_pressure": nominal}
     plane_notes = [_BOTH.format(plan.plane)] if requirement.judges_both_planes else []
     return [
         *linear_notes(requirement.wind_angle),
         *vehicle_warnings(plan.vehicle),
         *gust_placed(choices.wind, requirement),
         *along_the_path(requirement),
-        *(
-            plane_notes
-            or direction_notes(
-                requirement.planes, plan.plane, both_judged=False, at_nominal_pressure=nominal
-            )
-        ),
+        *(plane_notes or direction_notes(requirement.planes, plan.plane, **of_planes)),
         *(() if nominal else [_NOMINAL]),
     ]
 
@@ -322,18 +306,11 @@ def _verdict(
     `c`: the choices. `requirement`: required deflection, None without an answer. `outcome`: status
     of the flight, None for the report's control. `computed`: whether the answer is complete.
     """
-    flown = (
-        ""
-        if outcome is None
-        else f" Flown with the law {c.law}, the vehicle {OUTCOME_WORDS[outcome]}."
-    )
+    flown = f" Flown with the law {c.law}, the vehicle {OUTCOME_WORDS[outcome]}." if outcome else ""
+    if requirement is None and computed:
+        return f"No answer for these choices.{flown}"
     if requirement is None:
-        sentence = (
-            "No answer for these choices."
-            if computed
-            else "What the ideal trim law requires is computed ..."
-        )
-        return f"{sentence}{flown}"
+        return f"What the ideal trim law requires is computed ...{flown}"
     if requirement.beyond_linear:
         return f"{sufficiency(None)}: {requirement.beyond_linear}.{flown}"
     have, required = float(np.degrees(c.limit)), requirement.required_deflection

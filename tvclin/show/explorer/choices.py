@@ -92,12 +92,8 @@ class Choices:
         Plans that differ in other values, such as the limit or the gains, are equal here.
         """
         p = self.plan
-        inputs = {
-            "wind": p.wind,
-            "nozzle": Nozzle(limit_shape=p.nozzle.limit_shape),
-            "design": None,
-        }
-        return _bare(p, dead_band=p.dead_band, sign=p.sign, **inputs)
+        nozzle, inputs = Nozzle(limit_shape=p.nozzle.limit_shape), {"wind": p.wind, "sign": p.sign}
+        return _bare(p, dead_band=p.dead_band, nozzle=nozzle, design=None, **inputs)
 
     @property
     def gust_inputs(self) -> StudyPlan:
@@ -175,17 +171,14 @@ def lists(plan: StudyPlan, vehicles: list[str]) -> dict[str, tuple[str, list[str
     `vehicles`: names of the vehicles that can be chosen.
     """
     rule, limit_shape = _rule(plan.autopilot_design), plan.nozzle.limit_shape
+    shape = limit_shape if isinstance(limit_shape, str) else next(iter(LIMIT_SHAPES))
     further_rules = [] if rule in _RULES else [rule]
     law = TRIM if plan.design is None else AUTOPILOT
     direction = IN_PLANE if plan.heading is None else FROM_SIDE
     return {
         "vehicle": ("vehicle", vehicles, vehicles[0]),
         "plane": ("plane", [*PLANES, BOTH], plan.planes),
-        "stop": (
-            "limit of both",
-            list(LIMIT_SHAPES),
-            limit_shape if isinstance(limit_shape, str) else next(iter(LIMIT_SHAPES)),
-        ),
+        "stop": ("limit of both", list(LIMIT_SHAPES), shape),
         "model": ("model", list(MODELS), plan.model),
         "shape": ("wind shape", list(SHAPES), plan.shape),
         "direction": ("wind blows", [IN_PLANE, FROM_SIDE], direction),
@@ -436,9 +429,8 @@ def round_up(size: float) -> float:
     Rounding of 1e-12 does not make a round number the next one.
     """
     ten = 10.0 ** np.floor(np.log10(size))
-    return float(
-        ten * _ROUND_MANTISSAS[np.searchsorted(_ROUND_MANTISSAS, size / ten * (1.0 - 1e-12))]
-    )
+    index = np.searchsorted(_ROUND_MANTISSAS, size / ten * (1.0 - 1e-12))
+    return float(ten * _ROUND_MANTISSAS[index])
 
 
 def study_text(choices: Choices, source: str | None = None) -> str:
@@ -447,8 +439,7 @@ def study_text(choices: Choices, source: str | None = None) -> str:
     A rigid vehicle is written with all its numbers; a flexible one, or one defined by its
     coefficients, is named by its source: `InputError` where it has none.
     """
-    plan = choices.plan
-    vehicle = plan.vehicle
+    plan, vehicle = choices.plan, choices.plan.vehicle
     rigid = vehicle if isinstance(vehicle, Vehicle) and vehicle.structure is None else None
     named = rigid is None
     if named and source is None:

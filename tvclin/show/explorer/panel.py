@@ -113,19 +113,12 @@ class Picture:
             self.canvas.draw()
             self._empty = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
         self.canvas.restore_region(self._empty)
-        renderer, transform = self.canvas.get_renderer(), self.canvas.figure.transFigure
+        renderer, figure = self.canvas.get_renderer(), self.canvas.figure
+        paper = {"color": figure.get_facecolor(), "lw": 0, "transform": figure.transFigure}
         for name, (across, up) in frames.items():
             if (across, up) != self.frames.get(name):
                 x, y, width, height = _SLOTS[name]
-                blank = Rectangle(
-                    (x, y),
-                    width,
-                    height,
-                    color=self.canvas.figure.get_facecolor(),
-                    lw=0,
-                    transform=transform,
-                )
-                blank.draw(renderer)
+                Rectangle((x, y), width, height, **paper).draw(renderer)
                 self.axes[name].set(xlim=across, ylim=up)
                 self.axes[name].draw(renderer)
         self._empty = self.canvas.copy_from_bbox(self.canvas.figure.bbox)

@@ -147,16 +147,6 @@ def page_of(
     return page, findings
 
 
-def section_html(findings: Findings, name: str) -> str:
-    """Return a section of the page of findings as HTML.
-
-    `name`: name of its block in ``sections.html``.
-    """
-    template = _environment().get_template("sections.html")
-    context = template.new_context(_names(findings))
-    return "".join(template.blocks[name](context))
-
-
 def _names(findings: Findings) -> dict[str, Any]:
     """Return the names of the template: findings, study, plan and the origin of the study.
 
@@ -207,10 +197,7 @@ def _templates() -> "Environment":
     environment.filters["mathml"] = _mathml
     environment.filters["sentence"] = as_sentence
     environment.globals |= _NAMES
-    environment.globals |= {
-        "svg": inline_svg,
-        "plane_vectors": _plane_vectors,
-    }
+    environment.globals |= {"svg": inline_svg, "plane_vectors": _plane_vectors}
     environment.globals["style"] = files(__package__).joinpath("style.css").read_text("utf-8")
     environment.globals["show"] = environment.get_template("parts.html").module
     return environment
