@@ -17,7 +17,7 @@ from tvclin.base.errors import InputError
 from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed
 from tvclin.case.case import Case
-from tvclin.cli.inputs import changed, keys_set, note_omissions, note_source
+from tvclin.cli.inputs import keys_set, note_omissions, note_source
 from tvclin.cli.options import (
     BOTH_LIMITS,
     GROUP,
@@ -118,7 +118,7 @@ class PlaneOptions:
         if self.plane is None:
             return plan
         two_planes = self.plane == BOTH
-        plan = plan if two_planes else changed(plan, plane=self.plane)
+        plan = plan if two_planes else replace(plan, plane=self.plane)
         shape = (plan.nozzle.limit_shape or "round") if two_planes else None
         return replace(plan, nozzle=replace(plan.nozzle, limit_shape=shape))
 
@@ -225,16 +225,15 @@ class _Answer:
             notes += [f"autopilot requirement NOT KNOWN: {reason}" for reason in unknown]
         if self.total.rate_limit is not None:
             notes.append(_OF_A_RAMP)
-        of_turbulence = () if self.turbulence is None else (*self._share, *self.turbulence.notes)
-        return [*notes, *of_turbulence, *self.notes_of_request]
-
-    @property
-    def _share(self) -> Iterator[str]:
-        """Note on the share of turbulence in the budget."""
-        for line in self.total.lines:
-            if line.name.startswith("turbulence"):
-                angle = f"{np.degrees(line.deflection):.3f} deg"
-                yield f"{line.name}, adds {angle} to the budget, as a random contribution"
+        if self.turbulence is not None:
+            notes += [
+                f"{line.name}, adds {np.degrees(line.deflection):.3f} deg to the budget, as a"
+                " random contribution"
+                for line in self.total.lines
+                if line.name.startswith("turbulence")
+            ]
+            notes += self.turbulence.notes
+        return [*notes, *self.notes_of_request]
 
     @property
     def satisfied(self) -> bool:

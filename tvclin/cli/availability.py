@@ -32,6 +32,7 @@ from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.vehicle.vehicle_file import source_tables
 from tvclin.winds.soundings.archive import Soundings
+from tvclin.winds.soundings.profile import WindProfile
 
 _REQUEST = "ensembles.availability.availability.AvailabilityRequest"
 _SHOWN_TIMES = {"start": "the first", "stop": "the last"}
@@ -110,10 +111,8 @@ def availability(
         towards = np.atleast_1d(request.azimuth if azimuths is None else azimuths)
         result = request.availability(plan, progress, towards)
     judged = () if balloon is None else result.today(balloon)
-    if balloon is not None:
-        sounding = Soundings.from_profiles([balloon], ["2000-01-01"])  # its time does not count
-        for note in (*balloon.notes, *unmeasured_notes(result.judge, sounding)):
-            note_below(f"{called(today)}: {note}")
+    for note in () if balloon is None else _balloon_notes(result, balloon):
+        note_below(f"{called(today)}: {note}")
     _write(result, source, csv, plot)
     answer(
         as_json,
@@ -121,6 +120,12 @@ def availability(
         lambda: _print(result, judged, source, more),
         all(day.go for day in judged) if judged else any(s.judged for s in result.fraction()),
     )
+
+
+def _balloon_notes(result: Availability, balloon: WindProfile) -> list[str]:
+    """Return the notes on the balloon of today, and on heights at which it measured no wind."""
+    sounding = Soundings.from_profiles([balloon], ["2000-01-01"])  # its time does not count
+    return [*balloon.notes, *unmeasured_notes(result.judge, sounding)]
 
 
 def _write(result: Availability, source: str, csv: Path | None, plot: Path | None) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from tvclin.ascent.measured_wind import GustOfSpeed
 from tvclin.ascent.wind_along import SoundingWind
@@ -26,13 +26,9 @@ from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
 from tvclin.vehicle.vehicle_file import is_schedule, source_tables
 from tvclin.winds.shaped import ShapedWind
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
 FROZEN = "a single flight time: --at TIME"
 """Condition of options that a whole flight does not take."""
 T = TypeVar("T")
-R = TypeVar("R", bound="DataclassInstance")
 
 
 def flag_of(parameter: str) -> str:
@@ -157,8 +153,3 @@ def note_source(source: str, question: str) -> None:
 def chosen(option: T | None, otherwise: T) -> T:
     """Return an option, or `otherwise` where it is not given."""
     return otherwise if option is None else option
-
-
-def changed(record: R, **options: Any) -> R:
-    """Return a record with the options that are given in place of its own values."""
-    return replace(record, **{name: value for name, value in options.items() if value is not None})

@@ -302,14 +302,10 @@ def over_rate(
     with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
         theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
-    laws: FlownTradeOff | None = None  # limit of each law over the rate limit
-    if every_law:
-        with bar("boundaries") as progress:
-            laws = flown_trade_offs({"": case}, laws=_every_law(case), progress=progress)[""]
+    laws = _flown_limits(case) if every_law else None  # limit of each law over the rate limit
     drawn = laws or trade_off
     first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
     rates = _RequiredRates(theory, autopilot_rates, REQUIRED if limit is None else "limit")
-    further += [table for duty in flown for table in duty.tables()]
     judged = _judged(case, trade_off, required)  # empty where the limit may be sufficient
     limited = limit is not None or rate_limit is not None
     of_laws = {"laws": laws} if laws else {}
@@ -320,7 +316,7 @@ def over_rate(
         outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
         rate=rates.words,
         tables=_titled(title, *rates.tables, first),
-        further=tuple(further),
+        further=(*further, *(table for duty in flown for table in duty.tables())),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
         satisfied=not (limited and judged) and all(bool(duty.verdict.satisfied) for duty in flown),
         curves=lambda: plots.rate_curves(drawn),
@@ -473,6 +469,12 @@ def _rate_text(required_rate: float, at: str, law: str, least: str = "") -> str:
         return f"no rate is sufficient for {law} with the {at}"
     rate = f"{np.degrees(required_rate):.3f} deg/s"
     return f"{REQUIRED_RATE} of {law} with the {at} {least}{rate}"
+
+
+def _flown_limits(case: StudyPlan) -> FlownTradeOff:
+    """Return the limits that the laws of a case require in flight, over the rate limit."""
+    with bar("boundaries") as progress:
+        return flown_trade_offs({"": case}, laws=_every_law(case), progress=progress)[""]
 
 
 def _every_law(case: StudyPlan) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tvclin.base.errors import nonzero, number, positive
 from tvclin.base.lines import text
-from tvclin.cli.inputs import case_of, changed
+from tvclin.cli.inputs import case_of, chosen
 from tvclin.cli.options import (
     BOTH_LIMITS,
     DESIGN,
@@ -105,7 +105,8 @@ def study(
 
     def shaped(plan: StudyPlan) -> StudyPlan:
         """Return a plan with the limit shape of --limit-shape, if it is given."""
-        return replace(plan, nozzle=changed(plan.nozzle, limit_shape=limit_shape))
+        shape = chosen(limit_shape, plan.nozzle.limit_shape)
+        return replace(plan, nozzle=replace(plan.nozzle, limit_shape=shape))
 
     changes = limits.applied_to, shaped, question.applied_to, gains.applied_to
     plan = case_of(source, *changes, wind=winds.applied_to, questions=("study",), time=time)
