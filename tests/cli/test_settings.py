@@ -15,9 +15,14 @@ from tvclin.base.lines import text
 from tvclin.cli.app import app
 from tvclin.cli.settings import _completed
 from tvclin.control.autopilot.gain_table import load_gains
+from tvclin.control.laws.registry import LAWS
+from tvclin.design.standard_trials import WINDS
+from tvclin.ensembles.campaign.campaign_plan import OUTPUTS
+from tvclin.ensembles.dispersions import METHODS
 from tvclin.studyfile.keys import all_keys, column_tables
 from tvclin.studyfile.read import example, load_sizing
 from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES, with_settings
+from tvclin.winds.soundings.sounding_files import READERS
 
 V, BENDS = "configuration-i", "made-up-booster"
 SOUNDING = Path(__file__).parents[1] / "soundings" / "wyoming.txt"
@@ -313,6 +318,7 @@ def test_the_list_of_keys_has_each_key_once_with_its_help():
     for key in all_keys():  # no empty item of a list, and no function or field of Python
         assert not re.search(r", *$", key.help), key
         assert not re.search(r"[A-Z]\w+\.[a-z]|standard_|flight_duty", key.help), key
+        assert not re.search(r"; see |\bNone\b|\b[A-Z]{4}S\b|^In place of these", key.help), key
     for name, table in (STUDY_TABLES | VEHICLE_TABLES).items():
         for quantity in {*table.quantities, *table.words, *table.lists} - {"filter"}:
             spelled = {f"{name}.{key}" for key, (of, _) in table.keys.items() if of == quantity}
@@ -320,6 +326,22 @@ def test_the_list_of_keys_has_each_key_once_with_its_help():
     code, shown, _ = ran("init", "--keys")
     assert code == 0
     assert "autopilot.rate_gain_s" in shown
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("sounding.format", READERS),
+        ("outputs.names", OUTPUTS),
+        ("outputs.law", LAWS),
+        ("size.duty_law", LAWS),
+        ("laws.winds", WINDS),
+        ("campaign.method", METHODS),
+    ],
+)
+def test_the_help_of_a_key_has_the_words_that_it_takes(name, values):
+    (key,) = (key for key in all_keys() if key.name == name)
+    assert not [value for value in values if value not in key.help]
 
 
 def test_the_list_of_keys_ends_with_the_columns_of_a_flight_its_structure_and_gains(tmp_path):

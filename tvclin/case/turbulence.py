@@ -58,7 +58,8 @@ class TurbulenceRequest:
     severity : str, optional
         Severity of MIL-F-8785C in place of the intensity: light, moderate or severe.
     exceedance : float, optional
-        In place of these, the probability with which the intensity of MIL-F-8785C is exceeded.
+        Probability with which the intensity of MIL-F-8785C is exceeded, in place of the intensity
+        or a severity.
     altitude : float, optional
         Altitude [m] of a single time, for the intensities of MIL-F-8785C; along a flight its own
         altitudes count.
@@ -76,7 +77,8 @@ class TurbulenceRequest:
     sigmas : float, optional
         Standard deviations that count on top of the response to the wind.
     probability : float, optional
-        In place of these, the probability with which the response stays within them at a time.
+        Probability with which the response stays within the standard deviations at a time, in
+        place of their number.
 
     Raises
     ------

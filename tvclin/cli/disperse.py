@@ -113,7 +113,10 @@ class AnswerOptions:
     """Options of the statistics that are printed; `grouped` gives them to a command."""
 
     case: int | None = option("Compute one case again, and print it in full with its response.")
-    output: str | None = option("Output of the statistics.", shown="the first of the file")
+    output: str | None = option(
+        "Number of each case whose statistics are printed, as required_K1; a wrong one lists all.",
+        shown="the first of the file",
+    )
 
     panel = "Answer"
 

@@ -15,18 +15,19 @@ from typing import Any
 from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.ascent.schedule_file import FLIGHT_COLUMNS
 from tvclin.base.fields import help_lines, parameters
-from tvclin.base.lines import Table, words
+from tvclin.base.lines import Table, listed, words
 from tvclin.base.tables import FileTable
-from tvclin.base.units import written
+from tvclin.base.units import UNITS, written
 from tvclin.case.load import LoadBound
 from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.autopilot.filter_table import COLUMN_PREFIX, FILTER_TABLE
 from tvclin.control.autopilot.gain_table import GAIN_COLUMNS
-from tvclin.design.standard_trials import LawsRequest
+from tvclin.control.laws.registry import LAWS
+from tvclin.design.standard_trials import WINDS, LawsRequest
 from tvclin.ensembles.availability.availability import AvailabilityRequest
-from tvclin.ensembles.campaign.campaign_plan import Campaign
+from tvclin.ensembles.campaign.campaign_plan import OUTPUTS, Campaign
 from tvclin.ensembles.dispersions import Dispersion
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES
@@ -75,11 +76,11 @@ _HELP = {
     "wind.direction": "Direction from which the wind blows, from north, clockwise.",
     "wind.azimuth": "Direction of flight, from north, clockwise.",
     "wind.file": "A file of sampled winds, for campaigns.",
-    "wind.unit": "Unit of the angles in that file.",
+    "wind.unit": f"Unit of the angles in that file: {listed(UNITS['angle'], 'or')}.",
     "wind.sounding": "A sounding in place of a pulse, beside this file.",
     "wind.above_ground": "Elevation of the site, for heights above the ground.",
     "wind.name": "Name of the sounding.",
-    "wind.format": "Format of the sounding; by default found from its content.",
+    "wind.format": "Format of the sounding, as sounding.format; by default found from its content.",
     "wind.time": "Time of the sounding in a file of several, as 2024-02-15 12.",
     "wind.units": "Units of a table that names none, as ft,mph.",
     "gust.peak": "Peak wind angle of attack of the gust on top of the wind.",
@@ -112,10 +113,10 @@ _HELP = {
     "autopilot.filter.denominator": "Coefficients of a rational filter, highest power first.",
     "size.dispersion": "Addition by dispersions to the requirement of the wind.",
     "size.reserve": "Part of the limit that stays unused.",
-    "size.duty_law": "Law that is flown for the duty of the nozzle; on the page too.",
+    "size.duty_law": f"Law that is flown for the duty of the nozzle: {listed(LAWS, 'or')}.",
     "size.count": "Column that enters the total, such as trim or K = 0.5.",
-    "laws.names": "Names of the laws.",
-    "laws.winds": "Names of the standard winds.",
+    "laws.names": "Names of the laws, of those in the default.",
+    "laws.winds": f"Names of standard winds: {listed(map(repr, WINDS))}.",
     "availability.persistence": "Increase of the wind angle between balloon and launch.",
     "dispersion.parameter": "Key of the vehicle, wind_peak, wind_duration, a gain or a mode.",
     "criteria.name": "Standard set that the numbers change: classic or aircraft.",
@@ -138,7 +139,7 @@ _HELP = {
     "availability.years": "Years that count.",
     "availability.persistence_hours": "Time between balloon and launch, in hours.",
     "availability.utc_offset_hours": "Local time minus UTC, in hours.",
-    "outputs.names": "Outputs of a campaign.",
+    "outputs.names": f"Outputs of a campaign: {listed(OUTPUTS)}.",
     "dispersion.part": "Spread as a fraction of the nominal value.",
     "dispersion.percent": "Spread in percent of the nominal value.",
     "correlation.between": "Two dispersed parameters.",
@@ -154,9 +155,9 @@ _HELP = {
     "vehicle.inertia_rate": "Rate of the moment of inertia.",
     "vehicle.exit_arm": "Distance of the nozzle's exit aft of the centre of gravity.",
     "sensors.attitude_sensor_frequency": "Natural frequency of the lag of the attitude sensor.",
-    "sensors.attitude_sensor_damping": "Damping ratio of that lag.",
+    "sensors.attitude_sensor_damping": "Damping ratio of that lag; without it of first order.",
     "sensors.rate_gyro_frequency": "Natural frequency of the lag of the rate gyro.",
-    "sensors.rate_gyro_damping": "Damping ratio of that lag.",
+    "sensors.rate_gyro_damping": "Damping ratio of that lag; without it of first order.",
     "bending.tank_displacements": "Displacements at the tanks, in the order of [[slosh]].",
     "bending.tank_slopes_per_m": "Slopes at the tanks, in the order of [[slosh]].",
     "bending.tank_slopes_per_ft": "Slopes at the tanks, in the order of [[slosh]].",

@@ -329,7 +329,7 @@ class AvailabilityRequest:
     confidence : float
         Confidence of the intervals, from 0 to 1.
     least_part : float, optional
-        Required fraction of the days; None without a requirement.
+        Required fraction of the days, which is judged.
     gust_speed : float, optional
         Wind speed [m/s] at the peak of the case's gust, in place of its angle.
 

@@ -252,7 +252,7 @@ class Campaign(Case):
     dead_bands : tuple of float
         Dead bands K of "required" and "flown", each from 0 to 1.
     method : str
-        Method of drawing cases: "plain", "sobol" or "latin"; see `draw`.
+        Method of drawing cases: "plain", "sobol" or "latin". `draw` has more on each.
     chunk : int
         Cases in one file.
     probability : float
@@ -260,12 +260,13 @@ class Campaign(Case):
     confidence : float
         Confidence of each bound of that quantile.
     law : str
-        The law of "flight", one of `LAWS`; "autopilot" is the autopilot of the case.
+        Law of the output "flight": autopilot (that of the case), trim, dead-band, half-relief or
+        recoverable-attitude.
     along : FlightPlan, optional
-        Whole flight and its autopilot, along which "flight" is flown at the dynamic pressure
-        encountered, in place of the frozen vehicle. A shaped wind has its peak at the time of the
-        vehicle, and comes as head and tail wind unless its direction is known: the worse counts.
-        Winds of an ensemble are in flight time.
+        Whole flight and its autopilot, along which the output "flight" is flown at the dynamic
+        pressure encountered, in place of the frozen vehicle. A shaped wind has its peak at the time
+        of the vehicle, and comes as head and tail wind unless its direction is known: the worse
+        counts. Winds of an ensemble are in flight time.
     until : float, optional
         End the campaign when both bounds of the first output lie within this fraction of its
         quantile.

@@ -419,8 +419,9 @@ class SoundingReading:
     Attributes
     ----------
     format : str, optional
-        Format of the files: csv, openrocket, wyoming, igra, rocketpy or synthetic; see
-        `read_sounding`.
+        Format of the files: csv (names of columns carry units, height_m), openrocket (a CSV
+        without), wyoming (text list of its university), igra (station file of NOAA), rocketpy, or
+        synthetic (TOML). `read_sounding` has more on each.
     time : str, optional
         Time of the sounding in a file of several, as 2024-02-15 12 (UTC).
     units : str, optional
