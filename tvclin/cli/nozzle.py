@@ -305,17 +305,17 @@ def over_rate(
     laws = _flown_limits(case) if every_law else None  # limit of each law over the rate limit
     drawn = laws or trade_off
     first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
-    rates = _RequiredRates(theory, autopilot_rates, REQUIRED if limit is None else "limit")
+    rate_words, rates, rate_tables = _required_rates(limit, theory, autopilot_rates)
     judged = _judged(case, trade_off, required)  # empty where the limit may be sufficient
     limited = limit is not None or rate_limit is not None
     of_laws = {"laws": laws} if laws else {}
     return TradeOffAnswer(
         trade_off=trade_off,
         judged=judged,
-        document={"trade_off": trade_off, "flown": flown} | rates.document | of_laws,
+        document={"trade_off": trade_off, "flown": flown} | rates | of_laws,
         outcomes=[f"{duty.law} flown: {duty.verdict.words}" for duty in flown],
-        rate=rates.words,
-        tables=_titled(title, *rates.tables, first),
+        rate=rate_words,
+        tables=_titled(title, *rate_tables, first),
         further=(*further, *(table for duty in flown for table in duty.tables())),
         notes=tuple(note for result in (drawn, *flown) for note in result.notes),
         satisfied=not (limited and judged) and all(bool(duty.verdict.satisfied) for duty in flown),
@@ -408,55 +408,34 @@ def _rate_trade_off(
     )
 
 
-@dataclass(frozen=True)
-class _RequiredRates:
-    """Required rates of the theory and of the autopilot, flown, as the command prints them.
+def _required_rates(
+    limit: float | None, theory: RateTradeOff | None, autopilot: tuple[float, float] | None
+) -> tuple[str, dict[str, Any], tuple[Table, ...]]:
+    """Return the required rates of autopilot and theory in words, for JSON, and in a table.
 
-    `theory`: trade-off with its rate at the limit, None without one. `autopilot`: required rates of
-    the autopilot [rad/s] with the limit, at the largest dynamic pressure in the wind and at the
-    nominal one; None where it is not flown. `at`: limit or required deflection, in words.
+    They are those with the `limit` [rad], or without one with the required deflection. `theory`:
+    trade-off with its rate there; None without one. `autopilot`: required rates of the autopilot,
+    flown, [rad/s] at the largest dynamic pressure in the wind and at the nominal one; None where it
+    is not flown.
     """
-
-    theory: RateTradeOff | None
-    autopilot: tuple[float, float] | None
-    at: str
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """The required rates for JSON, linear theory's and the autopilot's; absent where None."""
-        rates: dict[str, Any] = {}
-        if self.theory is not None:
-            rates["required_rate"] = document(self.theory, "limit", "required_rate")
-        if self.autopilot is not None:
-            keys = ("autopilot_required_rate", "autopilot_required_rate_nominal")
-            of_keys = zip(keys, np.degrees(self.autopilot).tolist(), strict=True)
-            rates |= {f"{key}_deg_per_s": rate for key, rate in of_keys}
-        return rates
-
-    @property
-    def words(self) -> str:
-        """The required rates of autopilot and theory with the limit, in words; empty without any.
-
-        `at`: deflection with which they are required, in words.
-        """
-        texts = []
-        if self.autopilot is not None:
-            at_largest, nominal = self.autopilot
-            flown, of_both = f"the {AUTOPILOT}, flown,", at_largest == nominal
-            if not of_both and not np.isnan(at_largest):
-                at = f"{self.at} at the largest pressure in this wind"
-                texts.append(_rate_text(at_largest, at, flown))
-            at = self.at if of_both else f"{self.at} {NOMINAL}"
-            texts.append(_rate_text(nominal, at, flown))
-        if (theory := self.theory) is not None:
-            bound = _rate_text(theory.required_rate, self.at, theory.bounded_laws, "at least ")
-            texts.append(bound)
-        return "; ".join(texts)
-
-    @property
-    def tables(self) -> tuple[Table, ...]:
-        """The table of the required rate of the theory."""
-        return () if self.theory is None else (required_rate_table(self.theory, self.at),)
+    words, at = list[str](), REQUIRED if limit is None else "limit"
+    rates: dict[str, Any] = {}
+    if theory is not None:
+        rates["required_rate"] = document(theory, "limit", "required_rate")
+    if autopilot is not None:
+        keys = ("autopilot_required_rate", "autopilot_required_rate_nominal")
+        of_keys = zip(keys, np.degrees(autopilot).tolist(), strict=True)
+        rates |= {f"{key}_deg_per_s": rate for key, rate in of_keys}
+        (at_largest, nominal), flown = autopilot, f"the {AUTOPILOT}, flown,"
+        if at_largest != nominal and not np.isnan(at_largest):
+            largest = f"{at} at the largest pressure in this wind"
+            words.append(_rate_text(at_largest, largest, flown))
+        at_nominal = at if at_largest == nominal else f"{at} {NOMINAL}"
+        words.append(_rate_text(nominal, at_nominal, flown))
+    if theory is None:
+        return "; ".join(words), rates, ()
+    words.append(_rate_text(theory.required_rate, at, theory.bounded_laws, "at least "))
+    return "; ".join(words), rates, (required_rate_table(theory, at),)
 
 
 def _rate_text(required_rate: float, at: str, law: str, least: str = "") -> str:

@@ -37,18 +37,14 @@ DIRECTED = f"a sounding, --winds FILE, or {_DIRECTION}"
 
 
 @dataclass(frozen=True)
-class _Pulse:
+class PulseOptions:
+    """Options of a pulse; `grouped` gives them to a command."""
+
     duration: float | None = option("Duration of the wind, in s.", shown="7.5")
     peak_deg: float | None = option("Peak wind angle of attack, in deg.", shown="5")
     peak_speed: float | None = option(
         "Peak wind speed, in m/s, in place of --peak-deg, by eq (B1e)."
     )
-
-
-@dataclass(frozen=True)
-class PulseOptions(_Pulse):
-    """Options of a pulse; `grouped` gives them to a command."""
-
     wind: str | None = SHAPE
     azimuth_deg: float | None = option(
         "Direction of flight, in deg from north, clockwise: for a sounding, or for a wind with a"
@@ -180,7 +176,7 @@ class WindOptions(PulseOptions):
 
     def _check_no_pulse(self) -> None:
         """Raise `InputError` for options of a pulse beside a sounding."""
-        names = ("wind", *vars(_Pulse()))  # with duration and peak
+        names = ("wind", "duration", "peak_deg", "peak_speed")
         pulse = {name: getattr(self, name) for name in names}
         only_with("a pulse in place of --winds: a sounding has its own wind", **pulse)
 
