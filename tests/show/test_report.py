@@ -554,6 +554,18 @@ def test_each_model_has_the_equation_that_glossary_and_conventions_say(
 
 @pytest.mark.thorough
 @pytest.mark.usefixtures("few_durations")
+def test_the_nichols_chart_says_whose_criteria_its_box_is_of(html: str) -> None:
+    design = tv.AutopilotDesign(design="lqr")
+    plan = tv.studyfile.StudyPlan(vehicle=tv.load_vehicle("configuration-i"), design=design)
+    without, given = (" ".join(text.split()) for text in (tv.report_html(plan), html))
+
+    assert "the box of the criteria classic, which stand where the file gives none." in without
+    assert "the box of the criteria" in given
+    assert "which stand where the file gives none" not in given
+
+
+@pytest.mark.thorough
+@pytest.mark.usefixtures("few_durations")
 def test_names_are_escaped() -> None:
     name = '<script>alert("1")</script> & \'--><b>'
     vehicle = tv.load_vehicle("configuration-i").replace(name=name)

@@ -114,6 +114,11 @@ def load_flight_condition(source: str | PathLike[str]) -> FlightCondition:
         return FlightCondition(**FLIGHT_TABLE.read(table))
 
 
+_SHORTER_WIND = (
+    "give a shorter span, of a shorter wind, or of a sounding a shorter window (--set"
+    " sounding.window_s 20, in a file window_s in [sounding])"
+)
+"""What to change where a flight does not last as long as the wind."""
 _STEEP = np.radians(89.9)
 """The path at which a nominal flight ends: straight up or down it has no plane."""
 
@@ -252,8 +257,7 @@ class NominalFlight:
             speed, _path, altitude = solution(last) if solution.values.size else begin
             raise errors.InputError(
                 f"the nominal flight does not reach t = {end:.6g} s: at {last:.6g} s it is at"
-                f" {altitude:.6g} m with {speed:.6g} m/s; ask for a shorter span,"
-                " as of a shorter wind or part of a sounding (sounding.window_s)"
+                f" {altitude:.6g} m with {speed:.6g} m/s; {_SHORTER_WIND}"
             )
         return solution
 
@@ -318,9 +322,7 @@ def _integrated_once(
     """
     flight = NominalFlight(vehicle, condition, start=begin, stop=end)
     if flight.mass(end) <= 0.0:
-        raise errors.InputError(
-            f"the mass is used up before t = {end:.6g} s; ask for a shorter span"
-        )
+        raise errors.InputError(f"the mass is used up before t = {end:.6g} s; {_SHORTER_WIND}")
     _ = flight._solutions  # integrates, and stores the solutions in the flight
     return flight
 
