@@ -3,10 +3,10 @@ from .autopilot.autopilot import Autopilot as Autopilot
 from .autopilot.design_rules import AutopilotDesign as AutopilotDesign
 from .autopilot.detuning import Detuned as Detuned
 from .autopilot.detuning import detuned as detuned
-from .autopilot.filter_table import ModeNotch as ModeNotch
 from .autopilot.gain_schedule import EqualValues as EqualValues
 from .autopilot.gain_schedule import GainSchedule as GainSchedule
 from .autopilot.gain_schedule import equal_values as equal_values
+from .autopilot.gain_table import ModeNotch as ModeNotch
 from .autopilot.gains import canonical_gains as canonical_gains
 from .autopilot.gains import design_gains as design_gains
 from .autopilot.gains import drift_gains as drift_gains

@@ -22,8 +22,7 @@ from tvclin.case.load import LoadBound
 from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.design_rules import AutopilotDesign
-from tvclin.control.autopilot.filter_table import COLUMN_PREFIX, FILTER_TABLE
-from tvclin.control.autopilot.gain_table import GAIN_COLUMNS
+from tvclin.control.autopilot.gain_table import COLUMN_PREFIX, FILTER_TABLE, GAIN_COLUMNS
 from tvclin.control.laws.registry import LAWS
 from tvclin.design.standard_trials import WINDS, LawsRequest
 from tvclin.ensembles.availability.availability import AvailabilityRequest

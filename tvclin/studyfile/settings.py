@@ -18,7 +18,7 @@ from tvclin.base.files import EditedSource, called
 from tvclin.base.tables import FileTable, check_known
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, RULE_KEYS
-from tvclin.control.autopilot.filter_table import FILTER_TABLE
+from tvclin.control.autopilot.gain_table import FILTER_TABLE
 from tvclin.studyfile.campaign_file import CONTROLLER_TABLE, PLANT_TABLE, TABLES, vehicle_source
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE
 from tvclin.vehicle.linear_vehicle import COEFFICIENTS_TABLE

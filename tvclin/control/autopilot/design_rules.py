@@ -18,8 +18,7 @@ from tvclin.base.files import exists
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import ACCELEROMETER, ACCELEROMETER_BANDWIDTH, CHAINS, GAINS
-from tvclin.control.autopilot.filter_table import specified_filters
-from tvclin.control.autopilot.gain_table import GainTable, load_gains
+from tvclin.control.autopilot.gain_table import GainTable, load_gains, specified_filters
 from tvclin.control.autopilot.gains import (
     canonical_gains,
     design_gains,

@@ -24,8 +24,13 @@ from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback
 from tvclin.control.autopilot.design_rules import LEAST_NOZZLE, AutopilotDesign
 from tvclin.control.autopilot.feedback import CHAINS, GAINS
-from tvclin.control.autopilot.filter_table import NOTCH_NUMBERS, ModeNotch
-from tvclin.control.autopilot.gain_table import GAIN_COLUMNS, GainTable, gain_columns
+from tvclin.control.autopilot.gain_table import (
+    GAIN_COLUMNS,
+    NOTCH_NUMBERS,
+    GainTable,
+    ModeNotch,
+    gain_columns,
+)
 from tvclin.control.margins.margins import Margins, loop_margins
 from tvclin.linear.plant import Plant
 from tvclin.vehicle.coefficients import Coefficients

@@ -35,8 +35,8 @@ from tvclin.case.nozzle import Nozzle, NozzleData
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import AutopilotDesign
-from tvclin.control.autopilot.filter_table import ModeNotch
 from tvclin.control.autopilot.gain_schedule import GainSchedule
+from tvclin.control.autopilot.gain_table import ModeNotch
 from tvclin.ensembles.campaign.campaign_plan import Campaign, FlightPlan, SoundingEnsemble
 from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.ensembles.dispersions import Dispersion, Dispersions

@@ -27,7 +27,7 @@ from tvclin.control.autopilot.design_rules import (
     RULE_PARAMETERS,
     AutopilotDesign,
 )
-from tvclin.control.autopilot.filter_table import CHAIN_OF_POSITION
+from tvclin.control.autopilot.gain_table import CHAIN_OF_POSITION
 from tvclin.control.laws.registry import AUTOPILOT, DEAD_BAND, LAWS
 from tvclin.control.margins.criteria import CRITERIA, Criteria
 from tvclin.design.gain_designs import specified_autopilot
