@@ -466,10 +466,6 @@ def _verdict(
 ) -> NozzleVerdict:
     """Return the verdict from the requirements of all flights and of the theory of a known wind.
 
-    A point has the minimum angle d0 [rad] of any control in its wind, the fast unstable pole p
-    [1/s] (0 without one, NaN for a complex pair), the deflection limit of its plane [rad], and the
-    flown `duty`, None where the flight is lost or not judged.
-
     `conditions`: common to all flights. `points`: all flights. `duties`: of the whole flight, by
     wind. `unknown`: what cannot be judged, in words. `turbulence`: counted on top of each wind, or
     None.

@@ -281,27 +281,14 @@ class Autopilot(Feedback):
     def close(self, plant: AnyPlant) -> control.StateSpace:
         """Return the plant with this autopilot around it, the closed loop of `Autopilot`.
 
-        Parameters
-        ----------
-        plant : Plant or FlexiblePlant
-            One plant of any model.
+        Same parameters, exceptions and warnings as `loop`; none for an unstable closed loop, see
+        its poles.
 
         Returns
         -------
         control.StateSpace
             Inputs wind, attitude_command and deflection_disturbance [rad]; outputs of the plant
             [rad, rad/s], and the deflection [rad] that acts on it, disturbance included.
-
-        Raises
-        ------
-        InputError
-            For a batch.
-
-        Warns
-        -----
-        UserWarning
-            For gains that are zero or positive feedback, and an actuator slower than the fastest
-            unstable pole; not for an unstable closed loop: see its poles.
         """
         return self._closed("close", plant).to_control(f"{plant.model} with autopilot")
 

@@ -171,8 +171,6 @@ def deflection_peaks(
     `autopilot`: gains ``(m,)`` and one delay. `plant`: one plant. `wind`: one wind that ends.
     `after`: time after its end [s] during which peaks are searched.
     """
-    if np.ndim(autopilot.delay):
-        raise InputError("deflection_peaks() is for one delay")
     loop, m = closed_loop(autopilot, plant), autopilot.batch[0]
     A, B, C, D = (np.broadcast_to(a, (m, *a.shape[-2:])) for a in loop.matrices())
     B, row, direct = B[..., 0], C[:, -1], D[:, -1, 0]  # from the wind to the deflection

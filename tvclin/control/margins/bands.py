@@ -17,7 +17,7 @@ import numpy as np
 
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.cards import Shown
-from tvclin.base.errors import InputError, instance, one_of, plain
+from tvclin.base.errors import one_of, plain
 from tvclin.base.fields import decibels, derived, spec
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import InDecibels, Margins, in_batch_shape, margins_of
@@ -352,14 +352,9 @@ def band_margins(
 
     `names`: names of the modes. `poles`: pole of each mode in the plant with positive imaginary
     part [1/s], ``(..., n)``; they are poles of the loop. `delays`: whether the delay margins of a
-    sampled loop are computed, most of its work. `InputError` for a loop of polynomials.
+    sampled loop are computed, most of its work.
     """
-    instance("loop", loop, Loop, "see Autopilot.exact_loop")
-    if not isinstance(loop.form, StateLoop):
-        raise InputError(
-            "band_margins() takes loops that are held as matrices; see Loop.from_system"
-        )
-    count = len(loop.form.case)  # of loops in the flattened batch
+    count = loop.form.delay.size  # of loops in the flattened batch
     plant_poles = np.broadcast_to(poles, (*loop.batch, len(names))).reshape(count, len(names))
     terms = Terms.of(loop, plant_poles)  # partial fractions of each mode in the loop
     analysis = loop.analysis(delays=delays)

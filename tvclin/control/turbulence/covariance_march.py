@@ -71,14 +71,15 @@ class VaryingLoop:
         smooth = replace(self._nodes, jumps=())
         return smooth.mapped(lambda values: _values_at(values, first, weights))
 
-    def jump_at(self, index: int, times: FloatArray) -> Jump:
-        """Return the jump behind the interval `index` of a sample, at times [s] ``(n,)``.
+    def jumps_at(self, index: int, times: FloatArray) -> list[Jump]:
+        """Return the jumps behind the interval `index` of a sample, one at each of n times [s].
 
-        Its matrices have the leading axis n; the `length` [s] of the interval is constant.
+        The `length` [s] of the interval is constant.
         """
         first, weights = self._weights(times)
         length, *arrays = self.jumps[index]
-        return Jump(length, *(_values_at(values, first, weights) for values in arrays))
+        at_times = (_values_at(values, first, weights) for values in arrays)
+        return [Jump(length, *at_time) for at_time in zip(*at_times, strict=True)]
 
     def signals(self, times: FloatArray) -> dict[str, Signal]:
         """Return the outputs at times [s] by name, rows ``(n, states)`` or constant ones.
@@ -325,7 +326,7 @@ def march(
     P[z, z] = stationary_covariance(first_loop.A[z, z], first_loop.noise[z, z])
     if loop.jumps:
         # the last jump of a period is the law's sample; before it a delayed command may arrive
-        (sample,) = _jumps(loop, len(loop.jumps) - 1, times[:1])
+        (sample,) = loop.jumps_at(len(loop.jumps) - 1, times[:1])
         mean, P = _jumped(sample, mean, P, angles[0])
     P = P if start is None else start
     means, covariances = np.zeros((times.size, n)), np.zeros((times.size, n, n))
@@ -373,18 +374,6 @@ def _jumped(
     return J @ mean + jump.wind * wind, J @ P @ J.T + jump.noise
 
 
-def _jumps(loop: DrivenLoop | VaryingLoop, index: int, times: FloatArray) -> list[Jump]:
-    """Return the jump of the states of a sampled loop at each of n times [s], as n jumps.
-
-    `loop`: constant or varying. `index`: index, within a sample, of the interval ahead of the jump.
-    """
-    if isinstance(loop, DrivenLoop):
-        return [loop.jumps[index]] * len(times)
-    # length [s] of the interval, the same at all times; matrix, wind and noise over all times
-    length, *arrays = loop.jump_at(index, times)
-    return [Jump(length, *at_time) for at_time in zip(*arrays, strict=True)]
-
-
 def _jumps_before(
     loop: DrivenLoop | VaryingLoop, times: FloatArray, first: int
 ) -> list[Jump | None]:
@@ -402,7 +391,7 @@ def _jumps_before(
     for index, end in enumerate(ends):
         period = ends[-1]  # steps of a sample period
         at = np.flatnonzero((numbers > 0) & (numbers % period == end % period))
-        for k, jump in zip(at, _jumps(loop, index, times[at]), strict=True):
+        for k, jump in zip(at, loop.jumps_at(index, times[at]), strict=True):
             jumps[k] = jump
     return jumps
 

@@ -258,6 +258,10 @@ class DrivenLoop:
         jumps = tuple(Jump(length, *map(function, arrays)) for length, *arrays in self.jumps)
         return replace(self, A=A, noise=noise, wind=wind, rows=rows, direct=direct, jumps=jumps)
 
+    def jumps_at(self, index: int, times: FloatArray) -> list[Jump]:
+        """Return the jump behind the interval `index` of a sample for each of n `times`."""
+        return [self.jumps[index]] * len(times)
+
     def with_rows(self, rows: Mapping[str, tuple[FloatArray, FloatArray]]) -> DrivenLoop:
         """Return the loop with further outputs.
 
@@ -393,9 +397,7 @@ def _continuous(
 ) -> DrivenLoop:
     """Return a loop without samples behind a shaping filter, with the noise of its sensors.
 
-    `autopilot`, `plant`: one each, or a batch. `shape`: A, b and c of the filter, from white noise
-    to the wind angle [rad]. `noise`: of the sensors. `InputError` for a Pade approximation of the
-    delay that hides an instability, and for a deflection that follows the noise at once.
+    Same parameters and exceptions as `driven_loop`.
     """
     loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
     if not plant.batch and pade_misleads(autopilot, plant, loop):
@@ -467,8 +469,7 @@ def _sampled(
     law. The delay is a number of complete samples and a rest [s]; with a rest a sample has two
     intervals, and the command arrives behind the first.
 
-    `autopilot`, `plant`: one each, or a batch with one sample rate and delay. `shape`: A, b and c
-    of the filter, from white noise to the wind angle [rad]. `noise`: of the sensors.
+    Same parameters as `driven_loop`; a batch has one sample rate and delay.
     """
     period = 1.0 / float(autopilot.sample_rate or 1.0)  # [s]; there is a sample rate
     complete, rest = split_delay(float(autopilot.delay), period)
