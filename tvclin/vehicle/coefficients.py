@@ -8,7 +8,7 @@ damping, M_q/I. Positive deflection pitches the nose down.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -18,7 +18,7 @@ import numpy as np
 from tvclin.base import errors
 from tvclin.base.arrays import Real
 from tvclin.base.cards import Record, card, card_rows, lines
-from tvclin.base.fields import derived, parameters, spec
+from tvclin.base.fields import derived, parameters, quantity
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 PLANES, BOTH = ("pitch", "yaw"), "both"
@@ -26,14 +26,6 @@ PLANE_TEXTS = {**dict(zip(PLANES, PLANES, strict=True)), BOTH: "both planes"}
 """Text of a plane, or of both, in sentences and titles."""
 _MAX_COEFFICIENT = 1e18
 """Largest coefficient, and largest 1/mu_delta: products of several must not overflow."""
-
-
-def _number(kind: str, name: str, check: Callable[..., Any] = errors.finite) -> Mapping[str, Any]:
-    """Return the metadata of the attribute `name` of `Coefficients`, a number.
-
-    `kind`: kind of quantity, a key of `UNITS`. `check`: of the value, from `tvclin.base.errors`.
-    """
-    return spec(kind, label=name, key=name, check=check)
 
 
 def _if_unstable(name: str) -> Callable[[Any], Any]:
@@ -82,17 +74,17 @@ class Coefficients(Record):
     Report eqs (2), (B4), (B5), (B7) and (15b); the damping is derived in docs/theory.md.
     """
 
-    mu_alpha: Real = field(metadata=_number("per time squared", "mu_alpha"))
-    mu_delta: Real = field(metadata=_number("per time squared", "mu_delta", errors.nonzero))
-    C1: Real = field(default=0.0, metadata=_number("per time", "C1"))
-    C2: Real = field(default=0.0, metadata=_number("per time cubed", "C2"))
-    b1: Real = field(default=0.0, metadata=_number("per time", "b1"))
-    b2: Real = field(default=0.0, metadata=_number("per time", "b2"))
-    q: Real = field(default=0.0, metadata=_number("per time squared", "q", errors.nonnegative))
-    damping: Real = field(default=0.0, metadata=_number("per time", "damping", errors.nonnegative))
-    velocity: Real = field(
-        default=0.0, metadata=spec("speed", check=errors.nonnegative, card=False, document=False)
+    mu_alpha: Real = quantity("per time squared", label="mu_alpha", key="mu_alpha")
+    mu_delta: Real = quantity(
+        "per time squared", check=errors.nonzero, label="mu_delta", key="mu_delta"
     )
+    C1: Real = quantity("per time", 0.0, key="C1")
+    C2: Real = quantity("per time cubed", 0.0, key="C2")
+    b1: Real = quantity("per time", 0.0, key="b1")
+    b2: Real = quantity("per time", 0.0, key="b2")
+    q: Real = quantity("per time squared", 0.0, errors.nonnegative, key="q")
+    damping: Real = quantity("per time", 0.0, errors.nonnegative, key="damping")
+    velocity: Real = quantity("speed", 0.0, errors.nonnegative, card=False, document=False)
     name: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ arms of the `Vehicle` include liquid and engine.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from tvclin.base.arrays import IndexArray, Real
 from tvclin.base.cards import Row, card, card_rows, lines
 from tvclin.base.errors import InputError, between, broadcast, each, flag, instance, plain, shown
-from tvclin.base.fields import fields_of, spec
+from tvclin.base.fields import fields_of, quantity
 from tvclin.base.lines import Line, Table, plural, significant
 from tvclin.vehicle.filters import Filter, filter_cells
 
@@ -87,25 +87,17 @@ class BendingMode(_Batched):
         For a damping below zero, sizes beyond 1e-12 to 1e12, and shapes that do not broadcast.
     """
 
-    frequency: Real = field(metadata=spec("natural frequency", check=_positive_size))
-    damping: Real = field(metadata=spec("number", check=_damping))
-    modal_mass: Real = field(metadata=spec("mass", check=_positive_size, card=False))
-    gimbal_displacement: Real = field(metadata=spec("number", check=_bounded, card=False))
-    gimbal_slope: Real = field(metadata=spec("per length", check=_bounded, card=False))
-    attitude_slope: Real = field(metadata=spec("per length", check=_bounded, card=False))
-    rate_slope: Real = field(metadata=spec("per length", check=_bounded, card=False))
-    pressure_displacement: Real = field(
-        default=0.0, metadata=spec("number", check=_bounded, card=False)
-    )
-    drift_displacement: Real = field(
-        default=0.0, metadata=spec("number", check=_bounded, card=False)
-    )
-    accelerometer_displacement: Real = field(
-        default=0.0, metadata=spec("number", check=_bounded, card=False)
-    )
-    accelerometer_slope: Real = field(
-        default=0.0, metadata=spec("per length", check=_bounded, card=False)
-    )
+    frequency: Real = quantity("natural frequency", check=_positive_size)
+    damping: Real = quantity("number", check=_damping)
+    modal_mass: Real = quantity("mass", check=_positive_size, card=False)
+    gimbal_displacement: Real = quantity("number", check=_bounded, card=False)
+    gimbal_slope: Real = quantity("per length", check=_bounded, card=False)
+    attitude_slope: Real = quantity("per length", check=_bounded, card=False)
+    rate_slope: Real = quantity("per length", check=_bounded, card=False)
+    pressure_displacement: Real = quantity("number", 0.0, _bounded, card=False)
+    drift_displacement: Real = quantity("number", 0.0, _bounded, card=False)
+    accelerometer_displacement: Real = quantity("number", 0.0, _bounded, card=False)
+    accelerometer_slope: Real = quantity("per length", 0.0, _bounded, card=False)
     tank_displacements: tuple[Real, ...] = ()
     tank_slopes: tuple[Real, ...] = ()
 
@@ -148,15 +140,11 @@ class SloshTank(_Batched):
         As `BendingMode`, and unless either length or frequency is given.
     """
 
-    mass: Real = field(metadata=spec("mass", check=_positive_size))
-    station: Real = field(metadata=spec("length", check=_bounded))
-    damping: Real = field(metadata=spec("number", check=_damping, card=False))
-    pendulum_length: Real | None = field(
-        default=None, metadata=spec("length", check=_positive_size, card=False)
-    )
-    frequency: Real | None = field(
-        default=None, metadata=spec("natural frequency", check=_positive_size, card=False)
-    )
+    mass: Real = quantity("mass", check=_positive_size)
+    station: Real = quantity("length", check=_bounded)
+    damping: Real = quantity("number", check=_damping, card=False)
+    pendulum_length: Real | None = quantity("length", None, _positive_size, card=False)
+    frequency: Real | None = quantity("natural frequency", None, _positive_size, card=False)
 
     def __post_init__(self) -> None:
         """Check that either length or frequency is given, then all numbers."""
@@ -185,11 +173,9 @@ class Engine(_Batched):
         As `BendingMode`.
     """
 
-    mass: Real = field(metadata=spec("mass", check=_positive_size))
-    arm: Real = field(metadata=spec("length", check=_bounded, card=False))
-    moment_of_inertia: Real = field(
-        default=0.0, metadata=spec("inertia", check=_inertia, card=False)
-    )
+    mass: Real = quantity("mass", check=_positive_size)
+    arm: Real = quantity("length", check=_bounded, card=False)
+    moment_of_inertia: Real = quantity("inertia", 0.0, _inertia, card=False)
 
     def __post_init__(self) -> None:
         """Check all numbers, and that the inertia about the gimbal is not zero."""

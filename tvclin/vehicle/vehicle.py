@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray, Real
 from tvclin.base.cards import card, card_rows, lines
-from tvclin.base.fields import fields_of, parameters, spec
+from tvclin.base.fields import fields_of, parameters, quantity, spec
 from tvclin.base.package_warnings import ImplausibleInput
 from tvclin.vehicle.structure import Structure
 
@@ -119,24 +119,22 @@ class Vehicle:
     deflection.
     """
 
-    weight: Real = field(metadata=spec("force", "gross weight W", check=errors.positive))
-    moment_of_inertia: Real = field(
-        metadata=spec("inertia", "moment of inertia I", check=errors.positive)
+    weight: Real = quantity("force", check=errors.positive, label="gross weight W")
+    moment_of_inertia: Real = quantity(
+        "inertia", check=errors.positive, label="moment of inertia I"
     )
-    normal_force_slope: Real = field(
-        metadata=spec("force slope", "normal force slope N", check=errors.nonnegative)
+    normal_force_slope: Real = quantity(
+        "force slope", check=errors.nonnegative, label="normal force slope N"
     )
-    thrust: Real = field(metadata=spec("force", "thrust T", check=errors.positive))
-    aerodynamic_arm: Real = field(metadata=spec("length", "aerodynamic arm l_a"))
-    control_arm: Real = field(metadata=spec("length", "control arm l_c", check=errors.nonzero))
-    axial_force: Real = field(metadata=spec("force", "axial force F_A", check=errors.nonnegative))
-    velocity: Real = field(metadata=spec("speed", "velocity V_n", check=errors.positive))
-    attitude: Real = field(metadata=spec("angle", "attitude Theta_n", check=_checked_attitude))
+    thrust: Real = quantity("force", check=errors.positive, label="thrust T")
+    aerodynamic_arm: Real = quantity("length", label="aerodynamic arm l_a")
+    control_arm: Real = quantity("length", check=errors.nonzero, label="control arm l_c")
+    axial_force: Real = quantity("force", check=errors.nonnegative, label="axial force F_A")
+    velocity: Real = quantity("speed", check=errors.positive, label="velocity V_n")
+    attitude: Real = quantity("angle", check=_checked_attitude, label="attitude Theta_n")
     name: str = ""
-    time: Real | None = field(default=None, metadata=spec("time", "time of flight"))
-    control_force_slope: Real | None = field(
-        default=None, metadata=spec("force slope", check=errors.positive)
-    )
+    time: Real | None = quantity("time", None, label="time of flight")
+    control_force_slope: Real | None = quantity("force slope", None, errors.positive)
     pitch_damping: Real = field(
         default=0.0,
         metadata=spec(
