@@ -38,14 +38,8 @@ from tvclin.flights.closed_loop.survival_limit import (
 from tvclin.kernels.choice import repeated
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.plant import Plant
+from tvclin.winds import pulses
 from tvclin.winds.histories import History
-from tvclin.winds.pulses import (
-    AsymmetricTriangularWind,
-    OneMinusCosineGust,
-    SampledWind,
-    TrapezoidalWind,
-    TriangularWind,
-)
 
 WINDS = (
     *("triangle", "sawtooth, stops dead", "sawtooth, jumps first", "1 - cosine", "trapezoid"),
@@ -157,15 +151,15 @@ def standard_winds(peak: float, duration: float) -> dict[str, History]:
         Duration [s] of the triangle, and of each half of the double gusts.
     """
     tau, peak = number("duration", duration, positive, "s"), number("peak", peak, unit="rad")
-    triangle = TriangularWind(peak=peak, duration=tau)
+    triangle = pulses.TriangularWind(peak=peak, duration=tau)
     rise = triangle.before(tau / 2)
-    fall = SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
+    fall = pulses.SampledWind(time=np.array([0.0, tau / 2]), angle=np.array([peak, 0.0]))
     winds: tuple[History, ...] = (
         triangle,
-        AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
-        AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=0.0),
-        OneMinusCosineGust(peak=peak, duration=tau),
-        TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
+        pulses.AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=tau),
+        pulses.AsymmetricTriangularWind(peak=peak, duration=tau, peak_time=0.0),
+        pulses.OneMinusCosineGust(peak=peak, duration=tau),
+        pulses.TrapezoidalWind(peak=peak, rise=tau / 4, hold=tau / 2, fall=tau / 4),
         triangle + triangle.shift(tau),
         triangle - triangle.shift(tau),
         rise - 0.3 * fall.shift(tau / 2),
@@ -265,7 +259,7 @@ def law_curve(
         rate_limit [rad/s], actuator and delay [s] of the flights.
     """
     pole = float(plant.coefficients.pole)
-    winds = [TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
+    winds = [pulses.TriangularWind(peak=peak, duration=float(x) / pole) for x in tau_beta]
     options: dict[str, Any] = {"sample_rate": sample_rate, "highest": _MAX_LIMIT, **hardware}
     return np.array([closed_loop_boundary(plant, law, wind, **options).limit for wind in winds])
 

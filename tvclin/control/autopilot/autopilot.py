@@ -21,19 +21,9 @@ from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.errors import InputError, broadcast, instance, times_row
+from tvclin.control.autopilot import wiring
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wind_response import WindResponse, peaks_in_winds, wind_response_of
-from tvclin.control.autopilot.wiring import (
-    COMMAND,
-    DISTURBANCES,
-    RETURNED,
-    closed_loop,
-    exact_loop,
-    loop_in_steps,
-    open_loop,
-    rational_loop,
-    sampled_loop,
-)
 from tvclin.control.margins.bands import BandMargins, band_margins
 from tvclin.control.margins.loop import Loop
 from tvclin.control.margins.margins import Margins, loop_margins
@@ -135,11 +125,11 @@ def pade_misleads(autopilot: Feedback, plant: AnyPlant, loop: LinearSystem) -> b
     """
     if not (delay := float(autopilot.delay)):
         return False
-    returned = loop.select((COMMAND,), (RETURNED,))
+    returned = loop.select((wiring.COMMAND,), (wiring.RETURNED,))
     A, B, C = loop.A, returned.B[..., 0], returned.C[..., 0, :]
     if np.all(pade_keeps_stability(A, B, C, delay, autopilot.pade_order)):
         return False
-    exact = stability(exact_loop(autopilot, plant).form)
+    exact = stability(wiring.exact_loop(autopilot, plant).form)
     unstable = np.sum(np.real(loop.poles) > 0.0, axis=-1)
     return bool(np.any(~exact.marginal & (unstable != exact.unstable_poles)))
 
@@ -149,7 +139,7 @@ def require_pade(autopilot: Feedback, plants: AnyPlant) -> None:
 
     `autopilot`: one autopilot around one plant, or around each of a batch.
     """
-    if pade_misleads(autopilot, plants, closed_loop(autopilot, plants, command=True)):
+    if pade_misleads(autopilot, plants, wiring.closed_loop(autopilot, plants, command=True)):
         raise InputError(PADE_WARNING.format(autopilot.pade_order))
 
 
@@ -272,9 +262,11 @@ class Autopilot(Feedback):
         self._require_single("loop", plant, sampled=True)
         warn_of_feedback(self, plant)
         if self.sample_rate is None:
-            loop = open_loop(self, plant, pade=True).select((COMMAND,), (RETURNED,))
+            loop = wiring.open_loop(self, plant, pade=True).select(
+                (wiring.COMMAND,), (wiring.RETURNED,)
+            )
         else:
-            loop = loop_in_steps(self, plant)
+            loop = wiring.loop_in_steps(self, plant)
         # L is minus the returned command
         return replace(loop, C=0.0 - loop.C, D=0.0 - loop.D).to_control(f"{plant.model} loop")
 
@@ -312,7 +304,7 @@ class Autopilot(Feedback):
                 "rational_loop() is for gains around a rigid plant; of a state space see exact_loop"
             )
         broadcast(autopilot=self.batch, plant=plant.batch)
-        return rational_loop(self, plant)
+        return wiring.rational_loop(self, plant)
 
     def exact_loop(self, plant: AnyPlant) -> Loop:
         """Return the loop L with its exact delay and sampling, for one plant or a batch.
@@ -326,8 +318,8 @@ class Autopilot(Feedback):
         check_plant(plant)
         broadcast(autopilot=self.batch, plant=plant.batch)
         if self.sample_rate is not None:
-            return sampled_loop(self, plant)
-        return exact_loop(self, plant)
+            return wiring.sampled_loop(self, plant)
+        return wiring.exact_loop(self, plant)
 
     def margins(self, plant: AnyPlant) -> Margins:
         """Return the margins of the loop around one plant, or around each of a batch.
@@ -428,7 +420,7 @@ class Autopilot(Feedback):
         poles.
         """
         self._require_single("wind_response", plant)
-        loop = closed_loop(self, plant, command=True)
+        loop = wiring.closed_loop(self, plant, command=True)
         if pade_misleads(self, plant, loop):
             raise InputError(PADE_WARNING.format(self.pade_order))
         outputs = loop.outputs[:-1]  # all but the returned command
@@ -461,10 +453,10 @@ class Autopilot(Feedback):
         """
         self._require_single(method, plant)
         warn_of_feedback(self, plant, stacklevel=4)
-        loop = closed_loop(self, plant, command=True)
+        loop = wiring.closed_loop(self, plant, command=True)
         if pade_misleads(self, plant, loop):
             warnings.warn(f"{PADE_WARNING} (see margins)".format(self.pade_order), stacklevel=3)
-        return loop.select(DISTURBANCES, loop.outputs[:-1])  # all but the returned command
+        return loop.select(wiring.DISTURBANCES, loop.outputs[:-1])  # all but the returned command
 
     def _require_single(self, method: str, plant: AnyPlant, *, sampled: bool = False) -> None:
         """Raise `InputError` for a batch, and for a sampled autopilot unless `sampled` allows it.

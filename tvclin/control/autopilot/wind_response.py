@@ -17,15 +17,8 @@ from tvclin.base.errors import InputError, each, finite, instance, one_of, singl
 from tvclin.control.autopilot.feedback import Feedback
 from tvclin.control.autopilot.wiring import closed_loop
 from tvclin.linear.flexible import AnyPlant
-from tvclin.numerics.propagation import (
-    Motion,
-    input_states,
-    matrix_exponentials,
-    motions,
-    peak_output,
-    peak_outputs,
-    piece_matrix,
-)
+from tvclin.numerics import propagation
+from tvclin.numerics.propagation import Motion
 from tvclin.winds.histories import History
 
 _DECAY_EXPONENT = 40.0
@@ -64,7 +57,7 @@ class WindResponse:
         row = self._row(output)
         if not self._settling_time:  # unstable
             return np.inf, np.inf
-        return peak_output(self._motion, row, self._settling_time)
+        return propagation.peak_output(self._motion, row, self._settling_time)
 
     def peak_rate(self, output: str) -> float:
         """Return the largest magnitude of the output's rate of change [rad/s, rad/s^2].
@@ -74,7 +67,7 @@ class WindResponse:
         row = self._row(output) @ self._motion.matrix  # of y': y = row x with x' = matrix x
         if self._jumps[self.labels.index(output)] or not self._settling_time:  # zero: unstable
             return float(np.inf)
-        peak, _ = peak_output(self._motion, row, self._settling_time)
+        peak, _ = propagation.peak_output(self._motion, row, self._settling_time)
         return abs(peak)
 
     def _row(self, output: str) -> AnyArray:
@@ -106,13 +99,13 @@ def wind_response_of(
     wind_row = np.zeros(pieces.rates.size * powers)
     wind_row[::powers] = 1.0
     rows = np.hstack([C, D[:, np.newaxis] * wind_row])
-    (motion,) = motions(A, B, [pieces])
+    (motion,) = propagation.motions(A, B, [pieces])
     decay = -np.real(np.linalg.eigvals(A)).max()
     settling_time = _DECAY_EXPONENT / decay if decay > 0.0 else 0.0  # zero: unstable
     # jumps of the wind: its value at the start of a piece, less that at the end of the piece before
     order = len(A)
     starts = motion.starts[:, order:]
-    steps = matrix_exponentials(motion.matrix[order:, order:], np.diff(motion.knots))
+    steps = propagation.matrix_exponentials(motion.matrix[order:, order:], np.diff(motion.knots))
     ends = np.einsum("i,kij,kj->k", wind_row, steps, starts[:-1])
     values, before = starts @ wind_row, np.append(0.0, np.real(ends))
     jumps = np.abs(np.real(values) - before) > _RELATIVE_JUMP * np.abs(values).max(initial=0.0)
@@ -144,12 +137,12 @@ def peaks_in_winds(
     settling_time = _DECAY_EXPONENT / decay
     peaks = np.zeros(len(winds))
     for (_, degree), group in groups.items():
-        trajectories = motions(A, B, [winds[k].pieces for k in group])
+        trajectories = propagation.motions(A, B, [winds[k].pieces for k in group])
         # Behind x a motion has states of the wind; the first of each rate add up to the wind.
         direct = np.zeros(len(trajectories[0].matrix) - len(A))
         direct[:: degree + 1] = D
         output_row = np.concatenate([C, direct])
-        peaks[group] = peak_outputs(trajectories, output_row, settling_time)
+        peaks[group] = propagation.peak_outputs(trajectories, output_row, settling_time)
     return peaks
 
 
@@ -177,12 +170,12 @@ def deflection_peaks(
     pieces, n, powers = wind.pieces, A.shape[1], wind.pieces.degree + 1
     # States x of the loop and z of the wind, [x, z]' = matrix [x, z]: piece_matrix() of one loop,
     # with the A and B of each. The wind is the sum of every `powers`-th of z.
-    matrix = np.repeat(piece_matrix(A[0], B[0], pieces)[np.newaxis], m, axis=0)
+    matrix = np.repeat(propagation.piece_matrix(A[0], B[0], pieces)[np.newaxis], m, axis=0)
     matrix[:, :n, :n] = A
     matrix[:, :n, n::powers] = B[..., np.newaxis]
     output = np.zeros((m, matrix.shape[-1]), dtype=matrix.dtype)
     output[:, :n], output[:, n::powers] = row, direct[:, np.newaxis]
-    starts = input_states(pieces, pieces.knots)  # z at the start of each piece
+    starts = propagation.input_states(pieces, pieces.knots)  # z at the start of each piece
     widths = np.append(np.diff(pieces.knots), after)  # [s]
     state = np.zeros((m, matrix.shape[-1]), dtype=np.result_type(matrix, starts))
     highest = np.zeros(m)
@@ -192,7 +185,7 @@ def deflection_peaks(
         count = int(np.ceil(_STEPS * max(width / widths.sum(), 0.1)))
         state[:, n:] = start
         for fraction in (_INITIAL_FRACTION, 1.0 - _INITIAL_FRACTION):
-            step = matrix_exponentials(matrix, np.full(m, fraction * width / count))
+            step = propagation.matrix_exponentials(matrix, np.full(m, fraction * width / count))
             values = np.empty((count + 1, m))
             values[0] = _sizes(output, state)
             for k in range(count):

@@ -20,16 +20,9 @@ from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Record
 from tvclin.base.fields import checked, quantity, spec
+from tvclin.control.autopilot import wiring
 from tvclin.control.autopilot.actuator import plant_with_actuator
 from tvclin.control.autopilot.autopilot import PADE_WARNING, Autopilot, pade_misleads
-from tvclin.control.autopilot.wiring import (
-    COMMAND,
-    RETURNED,
-    SENSOR_NOISE,
-    autopilot_blocks,
-    closed_loop,
-    measured_outputs,
-)
 from tvclin.linear import lateral
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.system import LinearSystem, connect, split_delay
@@ -399,13 +392,13 @@ def _continuous(
 
     Same parameters and exceptions as `driven_loop`.
     """
-    loop = closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
+    loop = wiring.closed_loop(autopilot, plant, sensor_noise=noise is not None, command=True)
     if not plant.batch and pade_misleads(autopilot, plant, loop):
         raise errors.InputError(PADE_WARNING.format(autopilot.pade_order))
     # The last output is the returned command, which only the check above reads.
     driven = _behind_filter(loop.select(loop.inputs, loop.outputs[:-1]), shape)
     if noise is not None:
-        from_noise = loop.select(SENSOR_NOISE, (DEFLECTION,))
+        from_noise = loop.select(wiring.SENSOR_NOISE, (DEFLECTION,))
         if np.any(from_noise.D * np.sqrt(noise.intensities)):
             raise errors.InputError(
                 "the deflection follows the noise of the sensors at once and has no variance; give"
@@ -474,8 +467,10 @@ def _sampled(
     period = 1.0 / float(autopilot.sample_rate or 1.0)  # [s]; there is a sample rate
     complete, rest = split_delay(float(autopilot.delay), period)
     vehicle = plant_with_actuator(plant, autopilot.actuator, autopilot.lateral_sensors)
-    sensed = tuple(dict.fromkeys((*plant.sensed, *measured_outputs(autopilot, plant))))
-    law = connect(autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (RETURNED,))
+    sensed = tuple(dict.fromkeys((*plant.sensed, *wiring.measured_outputs(autopilot, plant))))
+    law = connect(
+        wiring.autopilot_blocks(autopilot, plant, np.asarray(period)), sensed, (wiring.RETURNED,)
+    )
     driven = _behind_filter(vehicle, shape, law.batch)
     # Indices of the further states: the command that acts, those on their way, from the newest to
     # the next to act, and the states of the law.
@@ -483,7 +478,7 @@ def _sampled(
     newest, next_to_act = acting + 1, acting + 1 + int(complete)
     laws = slice(next_to_act + 1, next_to_act + 1 + len(law.states))
     loop = _widened(driven, laws.stop - acting)
-    command = vehicle.select((COMMAND,), vehicle.outputs)
+    command = vehicle.select((wiring.COMMAND,), vehicle.outputs)
     loop.A[..., : len(vehicle.states), acting] = command.B[..., 0]
     loop.rows[..., acting] = command.D[..., 0]
     # A sample: the law reads the sensors, and its command is the newest of those on their way.
