@@ -20,15 +20,14 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, instance, single
 from tvclin.control.turbulence.driven_loop import DrivenLoop, Jump, Signal
-from tvclin.numerics.chebyshev import interpolation_factors
 from tvclin.numerics.covariance import constant_over_steps, stationary_covariance, steps
 from tvclin.numerics.propagation import GAUSS_NODES
 from tvclin.winds.histories import History
 
 _POINTS = 0.5 - 0.5 * np.cos(np.pi * np.arange(5) / 4.0)
 """Lobatto points of an interval of unit length."""
-_BARYCENTRIC = np.array([0.5, -1.0, 1.0, -1.0, 0.5])
-"""Barycentric weights of these points, see `interpolation_factors`."""
+_COEFFICIENTS = np.linalg.inv(np.vander(_POINTS))
+"""Coefficients of the polynomial through values at these points, highest power first."""
 _CHECKED_POINT = 0.32
 """Position in an interval at which the polynomial is compared."""
 _MAX_INTERVAL_S, _MAX_HALVINGS = 1.0, 6
@@ -62,109 +61,65 @@ class VaryingLoop:
         return self._nodes.labels
 
     def at(self, times: FloatArray) -> DrivenLoop:
-        """Return the loops at times [s], a batch ``(n,)``, without their jumps.
-
-        `_nodes` are the loops at the five nodes of each interval, between which each entry of
-        their matrices is interpolated.
-        """
-        first, weights = self._weights(times)  # first of five nodes for each time, their weights
+        """Return the loops at times [s], a batch ``(n,)``, without their jumps."""
         smooth = replace(self._nodes, jumps=())
-        return smooth.mapped(lambda values: _values_at(values, first, weights))
+        return smooth.mapped(lambda values: self._interpolated(values, times))
 
     def jumps_at(self, index: int, times: FloatArray) -> list[Jump]:
         """Return the jumps behind the interval `index` of a sample, one at each of n times [s].
 
         The `length` [s] of the interval is constant.
         """
-        first, weights = self._weights(times)
         length, *arrays = self.jumps[index]
-        at_times = (_values_at(values, first, weights) for values in arrays)
+        at_times = (self._interpolated(values, times) for values in arrays)
         return [Jump(length, *at_time) for at_time in zip(*at_times, strict=True)]
 
     def signals(self, times: FloatArray) -> dict[str, Signal]:
         """Return the outputs at times [s] by name, rows ``(n, states)`` or constant ones.
 
-        The rate of an output y = row x has the derivative of the row over time too.
+        The rate of an output y = row x, row x' + row' x, has the derivative of the row over time.
         """
-        first, weights = self._weights(times)  # first of five nodes for each time, their weights
 
         def varying(values: FloatArray) -> FloatArray:
-            """Return `values`, ``(nodes, ...)``, interpolated to the n times [s], ``(n, ...)``.
+            """Return `values` at the nodes, ``(nodes, ...)``, at the n times [s], ``(n, ...)``.
 
-            If they are equal at all nodes they are returned once, without the axis n. `first`:
-            index of the first of the five nodes for each time, with their `weights`.
+            If they are equal at all nodes they are returned once, without the axis n.
             """
             constant = np.all(values == values[0])
-            return values[0] if constant else _values_at(values, first, weights)
+            return values[0] if constant else self._interpolated(values, times)
 
         def signal(output: str) -> Signal:
-            """Return an output, y = row x + direct alpha_w, and its rate if it has one.
-
-            The rate is row x' + row' x: to its row at the nodes is added row', the slope of the row
-            over time.
-            """
+            """Return an output, y = row x + direct alpha_w, and its rate if it has one."""
             row, direct, rate = self._nodes.signal(output)  # at the nodes
             if rate is not None:
-                rate_row, rate_direct = rate  # row x' as such a sum
-                rate = varying(rate_row + self._slopes(row)), varying(rate_direct)
+                rate_row, rate_direct = map(varying, rate)  # row x' as such a sum
+                if np.any(row != row[0]):
+                    rate_row = rate_row + self._interpolated(row, times, slopes=True)
+                rate = rate_row, rate_direct
             return Signal(varying(row), varying(direct), rate)
 
         return {output: signal(output) for output in self.labels}
 
-    def _weights(self, times: FloatArray) -> tuple[IndexArray, FloatArray]:
-        """Return the first of the 5 nodes that interpolate at each of n times [s], and weights.
+    def _interpolated(
+        self, values: FloatArray, times: FloatArray, *, slopes: bool = False
+    ) -> FloatArray:
+        """Return values ``(nodes, ...)``, or their `slopes`, at m times [s], ``(m, ...)``.
 
-        Shapes ``(n,)`` and ``(n, 5)``. The nodes are counted over all intervals, 5 in each; a time
-        beyond the intervals is moved to the nearest.
+        By the polynomial through the nodes of each interval. Constant entries are exact; beyond the
+        intervals all are constant.
         """
-        starts, lengths = self._starts, self._lengths  # of the intervals [s]
-        index = np.searchsorted(starts, times, side="right") - 1
-        index = np.clip(index, 0, len(starts) - 1)
-        fractions = np.clip((times - starts[index]) / lengths[index], 0.0, 1.0)
-        return index * len(_POINTS), interpolation_factors(_POINTS, fractions)
-
-    def _slopes(self, values: FloatArray) -> FloatArray:
-        """Return the derivatives [1/s] of a function of time at the nodes, ``(nodes, ...)``.
-
-        They are the derivatives of its interpolating polynomial in each interval. `values`: its
-        values at the nodes, ``(nodes, ...)``.
-        """
-        shape = (len(self._starts), len(_POINTS), *values.shape[1:])  # interval, node of it
-        slopes = np.tensordot(values.reshape(shape), _DERIVATIVE, axes=(1, 1))
-        lengths = self._lengths.reshape(-1, *[1] * values.ndim)  # of the intervals [s]
-        return np.asarray(np.moveaxis(slopes, -1, 1) / lengths).reshape(values.shape)
-
-
-def _derivative() -> FloatArray:
-    """Return the differentiation matrix of the five Lobatto points of a unit interval, ``(5, 5)``.
-
-    By the barycentric weights w of the points t: D_ij = w_j/(w_i (t_i - t_j)), and rows that sum
-    to zero, as the derivative of a constant.
-    """
-    distances = _POINTS[:, np.newaxis] - _POINTS + np.eye(len(_POINTS))  # 1 on the diagonal: no 1/0
-    matrix = _BARYCENTRIC / _BARYCENTRIC[:, np.newaxis] / distances
-    np.fill_diagonal(matrix, 0.0)
-    return np.asarray(matrix - np.diag(matrix.sum(axis=1)))
-
-
-_DERIVATIVE = _derivative()
-"""Differentiation matrix: derivatives at the points of a unit interval, from values at them."""
-
-
-def _values_at(values: FloatArray, first: IndexArray, weights: FloatArray) -> FloatArray:
-    """Return values ``(m, ...)`` at m times, interpolated from nodes; constant entries are exact.
-
-    `values`: at the nodes, ``(nodes, ...)``. `first`: index of the first of five nodes of each
-    time, ``(m,)``. `weights`: weights of these nodes, ``(m, 5)``.
-    """
-    flat = values.reshape(len(values), -1)
-    result = np.broadcast_to(flat[0], (len(first), flat.shape[1])).copy()
-    varies = np.flatnonzero(np.any(flat != flat[0], axis=0))
-    columns = np.ascontiguousarray(flat[:, varies])
-    result[:, varies] = sum(
-        weights[:, k, np.newaxis] * columns[first + k] for k in range(len(_POINTS))
-    )
-    return np.asarray(result.reshape(len(first), *values.shape[1:]))
+        index = np.maximum(np.searchsorted(self._starts, times, side="right") - 1, 0)
+        lengths = self._lengths[index, np.newaxis]
+        x = np.clip((times - self._starts[index])[:, np.newaxis] / lengths, 0.0, 1.0)
+        flat = values.reshape(-1, len(_POINTS), values[0].size)  # interval, node of it, entry
+        varies = np.any(flat != flat[0, 0], axis=(0, 1))
+        result = np.tile(np.zeros_like(flat[0, 0]) if slopes else flat[0, 0], (len(times), 1))
+        polynomials = np.tensordot(_COEFFICIENTS, flat[..., varies], axes=(1, 1))[:, index]
+        if slopes:  # derivatives of powers 4 to 1, over the length of the interval
+            polynomials = polynomials[:-1] * np.arange(4.0, 0.0, -1.0)[:, np.newaxis, np.newaxis]
+            polynomials /= lengths
+        result[:, varies] = np.polyval(polynomials, x)
+        return result.reshape(len(times), *values.shape[1:])
 
 
 def _interpolated(
@@ -221,7 +176,7 @@ def _fits(loops: DrivenLoop, shape: tuple[int, ...]) -> BoolArray:
     """
     fits = np.ones(shape[0], bool)
     # weights of the values at the five nodes in the polynomial's value at the checked point
-    (weights,) = interpolation_factors(_POINTS, np.array([_CHECKED_POINT]))
+    weights = np.polyval(_COEFFICIENTS, _CHECKED_POINT)
     for array in loops.arrays:
         values = array.reshape(*shape, -1)
         errors = np.abs(np.tensordot(values[:, :-1], weights, axes=(1, 0)) - values[:, -1])
