@@ -96,31 +96,22 @@ class FlownDuty(Shown):
         if data is not None:  # data of the nozzle's joint, for its torque, which a vehicle loads
             vehicle = complete_vehicle(case.vehicle, "the torque of a nozzle").rigid
         if beyond := beyond_linear(float(case.history.peak)):
-            unknown_verdict = NozzleVerdict.unknown_of(case.nozzle, (beyond,))
-            return cls(law=name, status=NOT_KNOWN, duty=None, notes=(), verdict=unknown_verdict)
+            return cls(name, NOT_KNOWN, None, (), NozzleVerdict.unknown_of(case.nozzle, (beyond,)))
         flight = fly_nozzle(case.plant, law, case.history, deflection_limit=limit, **case.hardware)
-        notes, duties, diverged = tuple(design_notes(law)), [], []
-        reason, status = flight_reason(case.plant, flight.status), flight.status
+        notes, status = tuple(design_notes(law)), flight.status
+        reason = flight_reason(case.plant, status)
         if status == SURVIVED and case.unknown_wind:
             reason, status = case.unknown_wind, NOT_KNOWN
-        if flight.times.size and not reason:
+        if reason:
+            unknown = NozzleVerdict.unknown_of(case.nozzle, [f"the flight of {name}: {reason}"])
+            return cls(name, status, None, notes, unknown)
+        duties, diverged = [], [] if status == SURVIVED else [f"{name} {OUTCOME_WORDS[status]}"]
+        if flight.times.size:
             duties = [duty_of_motion(Motion.of_flight(flight), limit, WINDOW, data, vehicle)]
             notes = (*notes, *duties[0].notes, *actuator_notes(case.nozzle.actuator))
-        if status != SURVIVED and not reason:
-            diverged = [f"{name} {OUTCOME_WORDS[status]}"]
-        if reason:
-            verdict = NozzleVerdict.unknown_of(case.nozzle, [f"the flight of {name}: {reason}"])
-        else:
-            travel = duties[0].travel if duties else np.nan
-            required = requirements_on_nozzle(case.nozzle, duties, travel)
-            verdict = NozzleVerdict.of(case.nozzle, required, diverged)
-        return cls(
-            law=name,
-            status=status,
-            duty=duties[0] if duties else None,
-            notes=notes,
-            verdict=verdict,
-        )
+        duty = next(iter(duties), None)
+        required = requirements_on_nozzle(case.nozzle, duties, duty.travel if duty else np.nan)
+        return cls(name, status, duty, notes, NozzleVerdict.of(case.nozzle, required, diverged))
 
     def bounded_by(self, at_largest: Self | None) -> Self:
         """Return the duty with a verdict that also counts the largest dynamic pressure in the wind.
