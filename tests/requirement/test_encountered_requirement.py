@@ -235,6 +235,32 @@ def test_the_survivable_peak_of_a_wind_by_its_speed_says_at_which_speed(configur
     assert case_requirement(replace(case, wind=by_angle)).required_deflection > np.radians(0.53)
 
 
+@pytest.mark.parametrize("sign", usual([None, "tail", "frozen"], 0, 2))
+@pytest.mark.parametrize("plane", usual(["pitch", "yaw"], 0))
+def test_the_survivable_peak_by_speed_is_the_nominal_angle_of_that_speed(
+    configuration_i, sign: str | None, plane: str
+) -> None:
+    """By eq (B1e), from whichever speed it is searched; at nominal pressure that of the angle."""
+    limit, by_angle = tv.Nozzle(limit=np.radians(0.6)), ShapedWind("triangular", 0.08, 7.5)
+    sign = None if plane == "yaw" and sign == "tail" else sign
+    case = tv.Case(vehicle=configuration_i, plane=plane, sign=sign, nozzle=limit)
+
+    def of_speed(speed: float) -> tv.Study:
+        wind = by_angle.with_speed(speed, configuration_i, plane)
+        return tv.Study.of(replace(case, wind=wind))
+
+    slow, fast = of_speed(20.0), of_speed(90.0)
+    survived = 20.0 * slow.survivable_factor
+    assert 90.0 * fast.survivable_factor == pytest.approx(survived, rel=1e-8)
+    sine = np.sin(configuration_i.attitude) if plane == "pitch" else 1.0
+    angle = np.arcsin(survived / configuration_i.velocity * sine)
+    assert slow.survivable_peak == pytest.approx(angle, rel=1e-12)
+    assert of_speed(survived).required_deflection == pytest.approx(limit.limit, rel=1e-8)
+    if sign == "frozen":
+        by_angle_survived = tv.Study.of(replace(case, wind=by_angle)).survivable_peak
+        assert slow.survivable_peak == pytest.approx(by_angle_survived, rel=1e-8)
+
+
 def test_a_wind_with_a_direction_has_its_own_sign(configuration_i) -> None:
     """Against the flight like a head wind, from behind like a tail wind, from the side across."""
 

@@ -22,8 +22,8 @@ QUANTITIES = {
     "available": "the deflection limit of the nozzle",
     "remaining": "the available deflection minus what is required",
     "survivable peak": "the largest peak of a wind of this shape and duration that the limit"
-    " survives, up to a wind angle of 30 deg; of a wind by its speed the nominal angle, with that"
-    " speed",
+    " survives, up to a wind angle of 30 deg; of a wind by its speed the nominal angle of the"
+    " largest speed, which is smaller or larger than the peak that survives as an angle",
     "required rate": "the smallest rate limit with which a control that knows the wind survives"
     " with the deflection limit, with K = 1 a lower bound of laws without a forecast; along a"
     " flight, that of a ramp for the required deflection",

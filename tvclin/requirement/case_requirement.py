@@ -218,11 +218,35 @@ class CaseRequirement:
         """
         within("size", number("size", size, positive), 1e-9, 1e9)
         if self.at_nominal_pressure:
-            return size * self.nominal_deflection
+            return self.nominal_deflection * (self.peak_at(size) / self.judged_peak)
         try:
             return max(_encountered(self, size).values())
         except InputError:
             return np.inf
+
+    def peak_at(self, size: float) -> float:
+        """Return the peak [rad] of `size` times the judged wind, with the sign of `judged_peak`.
+
+        A wind by its speed has the nominal angle of `size` times this speed, eq (B1e).
+        """
+        if not self.is_by_speed or not size:
+            return size * self.judged_peak
+        wind = self._scaled(size)
+        if not self.judges_both_planes:
+            return float(replace(self.case, wind=wind).history.peak)
+        return self.judged_peak * (wind.peak / self.placed.peak)  # of vectors in both planes
+
+    @property
+    def is_by_speed(self) -> bool:
+        """Whether the wind, or its gust, is given by its speed."""
+        return self.placed.speed is not None or self.placed.gust_speed is not None
+
+    def _scaled(self, size: float) -> ShapedWind:
+        """Return `size` times the wind, of a wind by its speed with the angles of that speed."""
+        wind = self.placed.scaled(size)
+        if not self.is_by_speed:
+            return wind
+        return wind.for_vehicle(complete_vehicle(self.vehicle, "a wind by its speed"), self.plane)
 
     @property
     def judged_peak(self) -> float:
@@ -246,6 +270,13 @@ class CaseRequirement:
         return beyond_linear(self.wind_angle)
 
     @property
+    def largest_size(self) -> float:
+        """Factor on the wind at which its wind angle is `MAX_LINEAR_ANGLE`; see `peak_at`."""
+        if self.is_by_speed:
+            return float(np.sin(MAX_LINEAR_ANGLE) / np.sin(self.wind_angle))
+        return MAX_LINEAR_ANGLE / self.wind_angle
+
+    @property
     def peak_bound(self) -> float:
         """Largest survivable peak [rad] that is known, with the sign of `judged_peak`.
 
@@ -255,35 +286,37 @@ class CaseRequirement:
 
     @property
     def judged(self) -> dict[str, Any]:
-        """Fields `sufficient` and `survivable_peak` [rad]; None without a limit or where `unknown`.
+        """Fields `sufficient`, `survivable_peak` [rad] and `survivable_factor` on this wind.
 
-        A limit below the requirement at nominal dynamic pressure is not sufficient in any case. The
-        peak has the sign of `judged_peak`, and at most the size of `peak_bound`, at 30 deg.
+        None without a limit or where `unknown`. A limit below the requirement at nominal dynamic
+        pressure is not sufficient in any case. The peak has the sign of `judged_peak`, and at most
+        the size of `peak_bound`, at 30 deg.
         """
-        limit, needed = self.limit, self.required_deflection
+        limit, needed, largest = self.limit, self.required_deflection, self.largest_size
+        not_known = {"sufficient": None, "survivable_peak": None, "survivable_factor": None}
         if limit is None:
-            return {"sufficient": None, "survivable_peak": None}
+            return not_known
         if self.beyond_linear:
             # the peak is that of the largest wind of this shape within linear aerodynamics
-            size = MAX_LINEAR_ANGLE / self.wind_angle
-            linear = replace(self.case, wind=self.placed.scaled(size))
+            linear = replace(self.case, wind=self._scaled(largest))
             judged = case_requirement(linear, self.dead_band).judged
-            return judged | {"sufficient": None}
+            factor = judged["survivable_factor"]
+            of_this = {"survivable_factor": None if factor is None else largest * factor}
+            return judged | of_this | {"sufficient": None}
         if self.unknown:  # the requirement at the pressure in the wind, at least the nominal one
-            sufficient = None if covers(limit, needed) else False
-            return {"sufficient": sufficient, "survivable_peak": None}
+            return not_known | {"sufficient": None if covers(limit, needed) else False}
         # factor on the wind that the limit survives, if the requirement is in proportion to it
         size = limit / needed if needed else np.inf
-        if not self.at_nominal_pressure and _MIN_SIZE < size < np.inf:
-            # the dynamic pressure changes with the wind, so the factor is a root
-            largest = MAX_LINEAR_ANGLE / self.wind_angle
+        in_proportion = self.at_nominal_pressure and not self.is_by_speed
+        if not in_proportion and _MIN_SIZE < size < np.inf:
+            # pressure or angle are not in proportion to the wind, so the factor is a root
             size = survived_size(limit, needed, self.required_at, largest)
         bound = self.peak_bound
-        # infinite where nothing is required
-        peak = bound if np.isinf(size) else self.judged_peak * size
+        peak = bound if size >= largest else self.peak_at(size)  # infinite: nothing is required
         return {
             "sufficient": bool(covers(limit, needed)),
             "survivable_peak": float(np.copysign(min(abs(peak), abs(bound)), bound)),
+            "survivable_factor": min(size, largest),
         }
 
     @property

@@ -292,6 +292,8 @@ class Study(CaseRequirement, Shown):
         The largest peak [rad] of such a wind that the limit survives; of what, says `peak_of`. Up
         to `peak_bound`, at which the wind angle is 30 deg: what survives that may survive more.
         None without a limit, and where the dynamic pressure encountered is `unknown`.
+    survivable_factor : float or None
+        The survivable wind over this wind: of a wind by its speed the ratio of speeds.
     forecast_free : dict of str to ForecastFreeLimit
         For the models of `boundaries` that have one, the lower bound without a forecast.
     minima : dict of str to float
@@ -321,6 +323,7 @@ class Study(CaseRequirement, Shown):
             Field("survivable_peak_is_bound", of="survives_bound", card=False),
         )
     )
+    survivable_factor: float | None
     forecast_free: dict[str, ForecastFreeLimit]
     minima: dict[str, float]
     notes: tuple[str, ...] = ()
@@ -488,9 +491,8 @@ class Study(CaseRequirement, Shown):
         if self.slanting is not None:
             plane = f"part in the {self.plane} plane"
             words += f"'s {'vector in both planes' if self.judges_both_planes else plane}"
-        if speed is not None and self.survivable_peak is not None:
-            survived = abs(speed * self.survivable_peak / self.judged_peak)
-            words += f" at {survived:.4g} m/s"
+        if speed is not None and self.survivable_factor is not None:
+            words += f" at {abs(speed * self.survivable_factor):.4g} m/s"
         if self.wind_in_plane.gust is not None:
             words += ", its gust included"
         return words and f"of the wind{words}"

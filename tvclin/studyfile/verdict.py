@@ -233,10 +233,10 @@ def facts(findings: Findings) -> tuple[tuple[str, Line], ...]:
     if s.limit is not None:
         rows.append(("available", degrees("facts.limit", s.limit, unit="deg")))
     if s.limit is not None and s.survivable_peak is not None:
-        survived = abs(s.survivable_peak)  # [rad]; the autopilot's: a factor on the judged wind
-        survived = np.fmin(survived, abs(s.judged_peak) * findings.autopilot_survives)
-        peak = survivable("facts.survivable_peak", float(survived), abs(s.peak_bound))
-        by = ", with this autopilot" if survived < abs(s.survivable_peak) else ""
+        peak_survived, by = s.survivable_peak, ""  # [rad]
+        if findings.autopilot_survives < (s.survivable_factor or 0.0):  # not NaN, without one
+            peak_survived, by = s.peak_at(findings.autopilot_survives), ", with this autopilot"
+        peak = survivable("facts.survivable_peak", abs(peak_survived), abs(s.peak_bound))
         gust = ", its gust included" if _judged_wind(s).gust_text else ""
         rows.append((f"{SURVIVES}{gust}{by}", (*peak, " deg")))
     if not s.judges_both_planes:
