@@ -286,8 +286,7 @@ def nominal_flight(
     Examples
     --------
     >>> import tvclin as tv
-    >>> from tvclin.ascent.nominal_flight import load_flight_condition
-    >>> from tvclin.ascent.nominal_flight import nominal_flight
+    >>> from tvclin.ascent.nominal_flight import load_flight_condition, nominal_flight
     >>> vehicle = tv.load_vehicle("configuration-i")
     >>> flight = nominal_flight(
     ...     vehicle, load_flight_condition("configuration-i"), start=62.0, stop=72.0

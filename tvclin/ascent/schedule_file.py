@@ -206,7 +206,9 @@ def _from_rows(
     if common is not None and not common.is_rigid and not structures:
         raise InputError(f"{source}: [engine] and [sensors] need the table structure of the modes")
     rows, notes = _moving(rows)  # without the rows at rest before the flight
-    notes = (*notes, *_pressure_notes(rows))
+    if values := _numbers_of(rows, *_PRESSURE_NUMBERS):
+        columns = (np.array([v[name] for v in values]) for name in _PRESSURE_NUMBERS)
+        notes = (*notes, *pressure_notes(*columns))
     if len(rows) < 2:
         raise InputError(f"{source} must hold two or more times; got {len(rows)}")
     vehicles, others = [], []
@@ -286,13 +288,6 @@ def pressure_warnings(source: str | PathLike[str]) -> Iterator[ImplausibleInput]
         numbers.setdefault("time", np.nan)
         if {"dynamic_pressure", "altitude"} <= numbers.keys():
             yield from pressure_notes(*(np.array([numbers[name]]) for name in _PRESSURE_NUMBERS))
-
-
-def _pressure_notes(rows: list[Row]) -> Iterator[str]:
-    """Yield a note on a dynamic pressure of rows that contradicts their speed and altitude."""
-    if values := _numbers_of(rows, *_PRESSURE_NUMBERS):
-        numbers = (np.array([v[name] for v in values]) for name in _PRESSURE_NUMBERS)
-        yield from pressure_notes(*numbers)
 
 
 def _with_inertia_rates(rows: list[Row]) -> list[Row]:

@@ -195,11 +195,7 @@ def verdict_of(
     peak, is_law = float(wind.peak), isinstance(control, Law)
 
     def survives(limit: float) -> bool:
-        """Return whether the flight with a deflection limit [rad] survives: no late fall.
-
-        `peak`: of the wind [rad]; `pole`: unstable pole [1/s]: a fall is faster than a part of both
-        multiplied. A law (`is_law`) must not fall to either side.
-        """
+        """Return whether the flight with a deflection limit [rad] survives: no late fall."""
         rate = late_rate(limit)  # of the attitude [rad/s], at the time of the verdict
         rate_with_wind = -rate if peak > 0.0 else rate
         return not has_fallen(abs(rate) if is_law else rate_with_wind, peak, pole)

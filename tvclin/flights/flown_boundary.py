@@ -67,10 +67,7 @@ def planar_verdict(
     command = command_of(control, span[0], actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
-        """Return the attitude rate [rad/s] at the end of the `span`, or of a shorter flight.
-
-        The `command` is flown with a deflection `limit` [rad].
-        """
+        """Return the attitude rate [rad/s] at the end of a flight with a deflection limit [rad]."""
         flight = case.flown(command, limit)
         _attitude, rate, *_ = flight.rows(np.array([min(flight.end, span[1])]))  # at that time
         return float(rate[0])
@@ -106,10 +103,7 @@ def sixdof_verdict(
     command = command_of(control, begin, actuator, rate_limit)
 
     def late_rate(limit: float) -> float:
-        """Return the attitude rate [rad/s] at the end of the flight in `air` with a limit [rad].
-
-        The `command` steers the vehicle of the `case`.
-        """
+        """Return the attitude rate [rad/s] at the end of a flight with a deflection limit [rad]."""
         steering = case.steering(command, limit, air)
         rows = case.flown(steering, air, command.lateral_sensors)
         _, attitude_rate, *_ = rows[-1]  # of the last time

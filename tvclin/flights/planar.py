@@ -354,11 +354,7 @@ class PlanarCase:
         starts = np.array([arc.start for arc in arcs])
 
         def rows(times: FloatArray) -> FloatArray:
-            """Return states and deflection at m times [s], ``(states + 1, m)``.
-
-            `arcs`: solutions between breakpoints, from `starts` [s] on. The deflection is the
-            history `control` [rad] within the `limit`.
-            """
+            """Return states and deflection at m times [s], ``(states + 1, m)``."""
             index = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
             states = np.stack([arcs[k].solution(t) for k, t in zip(index, times, strict=True)], -1)
             return np.vstack([states, np.clip(control(times), -limit, limit)])

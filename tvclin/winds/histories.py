@@ -122,10 +122,7 @@ class History(Record, ABC):
             integral = algebra.remaining_integral(self.pieces, s)
 
         def at(t: ArrayLike) -> AnyArray:
-            """Return the integrals over r from `t` [s] on of e^(-s (r - t)) times the history at r.
-
-            Shape ``broadcast(batch, s.shape) + t.shape``; `integral` takes times of one axis.
-            """
+            """Return the integrals from `t` [s] on, ``broadcast(batch, s.shape) + t.shape``."""
             times = finite("t", t, "s")
             with np.errstate(over="ignore", invalid="ignore"):
                 values = _finite_values(integral(times.ravel()), s)

@@ -443,8 +443,7 @@ def equivalent_triangle(wind: History) -> History:
 
     Examples
     --------
-    >>> from tvclin.winds.pulses import OneMinusCosineGust
-    >>> from tvclin.winds.pulses import equivalent_triangle
+    >>> from tvclin.winds.pulses import OneMinusCosineGust, equivalent_triangle
     >>> equivalent_triangle(OneMinusCosineGust(peak=0.08, duration=6.0))
     TriangularWind(peak=0.08, duration=6.0)
     """

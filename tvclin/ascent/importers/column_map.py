@@ -88,7 +88,7 @@ def read_table(
     wanted = map_of(columns, QUANTITIES)
     missing = f"column names with {shown(str(wanted['time'].source))} among them"
     sheet = read_sheet(path, "a table of a flight", fit_of(wanted), missing)
-    read = mapped_columns(sheet, wanted, QUANTITIES)
+    read = {k: mapped_column(sheet, k, QUANTITIES[k], entry) for k, entry in wanted.items()}
     flight = Flight(source=sheet.text.source, places=sheet.places, columns=read, notes=sheet.notes)
     return schedule_of_flight(powered(flight, start, stop), "mapped table", max_rows)
 
@@ -198,17 +198,7 @@ def _named(headings: tuple[Heading, ...], name: str) -> Heading | None:
     return matches[0] if matches else None
 
 
-def mapped_columns(
-    sheet: Sheet, wanted: Wanted, quantities: Mapping[str, str]
-) -> dict[str, Column]:
-    """Return the columns of a sheet [SI] by the quantities of a map.
-
-    `wanted`: entries of the map by quantity. `quantities`: kind of unit of each quantity.
-    """
-    return {name: _column(sheet, name, quantities[name], entry) for name, entry in wanted.items()}
-
-
-def _column(sheet: Sheet, name: str, dimension: str, entry: MapEntry) -> Column:
+def mapped_column(sheet: Sheet, name: str, dimension: str, entry: MapEntry) -> Column:
     """Return the column [SI] of a quantity from a sheet, or a constant one.
 
     `name`, `dimension`: name of the quantity, and kind of its unit. `entry`: its key in the map,

@@ -56,10 +56,9 @@ def _export(path: str | PathLike[str]) -> Sheet:
     names = [letters(name) for _, name in _NEEDED.values()]
 
     def fit(headings: Headings) -> float:
-        """Return how well the headings of a line fit the names of an export; zero if not at all.
+        """Return one plus the number of needed columns of a line; zero if it is no line of names.
 
-        It is one plus the number of needed columns (`names`) that the line has. A line of headings
-        has a time, or several names with units, as in another language.
+        A line of names has a time, or several names with units, as in another language.
         """
         with_units = [heading for heading in headings if heading.unit is not None]
         available = {name for heading in with_units for name in heading.names}

@@ -9,7 +9,7 @@ The slope of the normal force coefficient is a number, over Mach, or from anothe
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any
@@ -507,7 +507,10 @@ def schedule_of_flight(flight: Flight, name: str, max_rows: int = MOST_ROWS) -> 
     if rows.size < time.size:
         within = f"straight lines are within {100 * error:.2g} percent"
         notes.append(f"thinned to {rows.size} rows: {within}")
-    notes += [*_stable(vehicle), *_pressure_notes(flight)]
+    notes += _stable(vehicle)
+    names = ("time", "dynamic_pressure", "velocity", "altitude")
+    if set(names) <= flight.columns.keys():  # forces are computed from the pressure
+        notes += pressure_notes(*(flight[name] for name in names))
     return FlightSchedule(vehicle, **others, notes=tuple(notes))
 
 
@@ -570,16 +573,6 @@ def above_sea(above_ground: Column, source: str, ground: float | None) -> Column
         )
     site = errors.number("ground", ground, errors.between(*SITE_ELEVATIONS), "m")
     return Column(above_ground.values + site, f"{above_ground.origin}, plus {site:g} m of ground")
-
-
-def _pressure_notes(flight: Flight) -> Iterator[str]:
-    """Yield a note on a dynamic pressure that contradicts the speed and the altitude of a flight.
-
-    The pressure counts where forces are computed from it.
-    """
-    names = ("time", "dynamic_pressure", "velocity", "altitude")
-    if set(names) <= flight.columns.keys():
-        yield from pressure_notes(*(flight[name] for name in names))
 
 
 def _stable(vehicle: Vehicle) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tvclin.ascent.importers import powered_flight
-from tvclin.ascent.importers.column_map import QUANTITIES, Wanted, fit_of, map_of, mapped_columns
+from tvclin.ascent.importers.column_map import QUANTITIES, Wanted, fit_of, map_of, mapped_column
 from tvclin.ascent.importers.matlab_file import MAX_NUMBERS, read_matlab, too_large
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.base.arrays import FloatArray
@@ -134,7 +134,7 @@ def read_log(
         keys, named = FileTable("columns", _KNOWN).keys, _names(sheet.headings)
         ours = {(text if text in keys else name): text for text, name in named.items()}
         wanted = map_of(ours, _KNOWN)
-    read = mapped_columns(sheet, wanted, _KNOWN)
+    read = {k: mapped_column(sheet, k, _KNOWN[k], entry) for k, entry in wanted.items()}
     flight = powered_flight.Flight(source=sheet.text.source, places=sheet.places, columns=read)
     flight = powered_flight.powered(flight, start, stop)
     angle, how = _wind(flight)

@@ -312,10 +312,7 @@ def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the law's demand, times `sign`, is past the threshold.
-
-        It is above it to engage the full limit, and below it to release that.
-        """
+        """Return by how much [rad] the law's demand, times `sign`, is past the threshold."""
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
         if regime.mode:  # the end is below `release`, by a margin against chatter
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
@@ -598,9 +595,7 @@ def _flight_end(max_attitude: float) -> Any:
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:
         """Return the smaller distance of states and attitude to their limits; negative beyond.
 
-        Both limits are widened by the factor `beyond`. `LOST` limits the states, in any unit, to a
-        size that no vehicle reaches: in a valid flight the attitude [rad] decides. `t` and `regime`
-        are not used: `solve_ivp` passes them.
+        No vehicle reaches the states of the size `LOST`: in a valid flight the attitude decides.
         """
         to_loss = LOST * beyond - float(np.abs(states).max())
         return min(to_loss, max_attitude * beyond - abs(float(states[0])))

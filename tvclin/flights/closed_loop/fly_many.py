@@ -444,10 +444,7 @@ def status_by_limit(flight: Batch) -> Callable[[FloatArray], NDArray[np.str_]]:
     start = flights(flight)  # arrays of the kernel at the start of the flight
 
     def status(limits: FloatArray) -> NDArray[np.str_]:
-        """Return the status of the `flight` with each of the limits [rad], ``(n,)``.
-
-        `start`: arrays of the kernel at the start of this single flight.
-        """
+        """Return the status of the `flight` with each of the limits [rad], ``(n,)``."""
         # the single row of each array, once for each limit
         cases, now = (
             (np.repeat(array, limits.size, axis=0) for array in arrays)

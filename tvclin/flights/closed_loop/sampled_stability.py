@@ -126,10 +126,7 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray
     x, law_states, pending = np.split(np.eye(size), [order, order + law_order])
 
     def per_case(rows: FloatArray) -> FloatArray:
-        """Return the law's rows for each of the k flights, from `rows` of all laws with filters.
-
-        `f.cases.memory` has the index of each flight in them, zero for all if they share a law.
-        """
+        """Return the law's rows for each of the k flights, from `rows` of all laws with filters."""
         return rows[f.cases.memory[cases]]
 
     def spread(rows: FloatArray) -> FloatArray:
@@ -311,9 +308,7 @@ def _response(batch: Batch, name: str, samples: float) -> Response:
     def response(angles: Any) -> ComplexArray:
         """Return l, the trace of (z - M_0)^-1 (M_1 - M_0), at angles [rad] of z, in their shape.
 
-        M_1 = A_1 + z^-n D_1: step without the law, and its effect, n `samples` later; M_1 - M_0 is
-        the change of the step from factor 0 to 1, on the gain or on the effectiveness (`name`); dA
-        and dD are the changes of A_1 and D_1 with the latter.
+        M_1 = A_1 + z^-n D_1: step without the law, and its effect, n `samples` later.
         """
         theta = np.asarray(angles)[..., np.newaxis, np.newaxis]
         z, delay = np.exp(1j * theta), np.exp(-1j * samples * theta)  # z^-n for n samples

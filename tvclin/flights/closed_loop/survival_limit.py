@@ -103,9 +103,8 @@ def limit_above_losses(survives: Callable[[FloatArray], Words], scan: FloatArray
     def lost(values: FloatArray) -> BoolArray:
         """Return whether flights with limits ``(n, 1)`` diverge, and add them to `tried`, `status`.
 
-        `survives` gives the status of flights with limits ``(n,)``. Limits above the `top` of the
-        scan are not flown, and count as surviving; so does the top after the first scan, which has
-        flown it.
+        Limits above the `top` of the scan are not flown, and count as surviving; so does the top
+        after the first scan, which has flown it.
         """
         column, diverged = values[:, 0], np.zeros(values.shape, np.bool_)
         new = column < top if tried else column <= top  # the first scan includes the top
@@ -375,10 +374,7 @@ def closed_loop_boundary(
 
     @cache
     def flight(wind: History) -> Callable[[FloatArray], Words]:
-        """Return the function from deflection limits [rad] to the status of flights in a wind.
-
-        `factor`: on the gain. `scale`: largest trim deflection [rad].
-        """
+        """Return the function from deflection limits [rad] to the status of flights in a wind."""
         return status_by_limit(one_flight(plant, law, wind, scale, hardware, factor))
 
     flown, total = count(1), (1 + LEVELS) * len(winds)  # a scan and its refinements fly each wind
@@ -388,17 +384,12 @@ def closed_loop_boundary(
         if progress is not None:
             progress(min(next(flown), total), total)
 
-    def status_at(limits: FloatArray) -> NDArray[np.str_]:
+    def status_at(limits: FloatArray) -> Words:
         """Return the status of flights in all winds with each of `limits`, over trim, ``(n,)``."""
 
-        def status(wind: History, chosen: BoolArray) -> NDArray[np.str_]:
-            """Return the status in one `wind` of flights with the chosen of `limits`.
-
-            `chosen`: whether a limit is chosen, ``(n,)``.
-            """
-            limits_rad = limits[chosen] * scale  # `scale`: the largest trim [rad]
-            status_of = flight(wind)  # function from limits [rad] to the status of flights in it
-            return status_of(np.minimum(limits_rad, MAX_DEFLECTION_LIMIT))
+        def status(wind: History, chosen: BoolArray) -> Words:
+            """Return the status in a wind of flights with the limits at which `chosen` is true."""
+            return flight(wind)(np.minimum(limits[chosen] * scale, MAX_DEFLECTION_LIMIT))
 
         return status_in_all_winds(winds, status, limits.size, report_wind)
 

@@ -152,11 +152,7 @@ def motion_readers(engine: Engine, plane: str, heading: float) -> MotionReaders:
         return hypot(*(component() for component in velocities))
 
     def lateral() -> tuple[float, float]:
-        """Return the speed over the ground [m/s], and the force up or right per mass [m/s^2].
-
-        `ground_speed` is in ft/s. `metres_along_axis` converts `force` [lbf] over `mass` [slug],
-        and turns JSBSim's axis into the direction up or right.
-        """
+        """Return the speed over the ground [m/s], and the force up or right per mass [m/s^2]."""
         return FOOT * ground_speed(), metres_along_axis * force() / mass()
 
     if plane == "pitch":
@@ -495,12 +491,7 @@ class Airframe:
             reference = _plain_rows(trajectory[1:, [1, 4]])
 
         def hold() -> None:
-            """Set the deflection of the other plane for the next step: reference plus feedback.
-
-            Fed back are attitude minus flight path angle [rad], and the attitude rate minus the
-            reference's [rad/s], with the gains `on_lean` and `on_rate`. `angles` and `rates` read
-            angles and rates of the other plane from JSBSim.
-            """
+            """Set the deflection of the other plane for the next step: reference plus feedback."""
             path_rate, deflection = next(reference)
             attitude, path = angles()
             rate, _acceleration = rates()

@@ -343,9 +343,7 @@ def planes_verdict(
     def survives(limit: float) -> bool:
         """Return whether the vehicle survives the wind with a deflection limit [rad].
 
-        It flies with the `law` in both planes through `speeds` and `angles` of the wind. It
-        survives if at the end its attitudes are within `MAX_ATTITUDE`, and the magnitude of its
-        attitude rates is small against the peak of the wind times the unstable `pole` [1/s].
+        Its attitudes must stay within `MAX_ATTITUDE`, and its last attitude rates mean no fall.
         """
         with reused_airframe(numbers, "pitch", drift, step, None) as airframe:
             steering = _steering(law, limit, step)
@@ -370,10 +368,7 @@ def _steering(
     memory, limits = np.zeros(len(steps.states), complex), np.array([limit])
 
     def command_of(planes: list[Measurement]) -> tuple[float, float]:
-        """Return the commands [rad] in pitch and yaw within `limits`, and update the law's state.
-
-        `planes`: measurements in pitch and yaw. `steps`: state space of the law over a step.
-        """
+        """Return the commands [rad] in pitch and yaw, and update the state of the law."""
         nonlocal memory
         pitch, yaw = planes
         measured = np.array(pitch) + 1j * np.array(yaw)

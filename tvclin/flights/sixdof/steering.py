@@ -138,9 +138,7 @@ def by_law(command: Command, limit: float, step: float, count: int) -> Steering:
     def followed(k: int, measured: Measurement) -> float:
         """Return the deflection [rad] of the actuator at step `k`, and update its state.
 
-        Its states `servo` move by the step matrices `free` and `driven` of states and the last
-        command, within the limits of rate, `max_rate` [rad/s], and deflection, `limit` [rad]. The
-        next command is that of the law, from the `measured` values.
+        The command of the next step is that of the law, from the `measured` values.
         """
         nonlocal servo, last_command
         servo_next = free @ servo + driven * last_command
@@ -172,12 +170,7 @@ def _command(law: Law, limit: float, step: float, count: int) -> Steering:
     mode = 0.0  # 1 or -1 while the full limit is commanded
 
     def command(k: int, measured: Measurement) -> float:
-        """Return the commanded deflection [rad] at step `k`, and update `memory` and `mode`.
-
-        They are the states of the law, with matrices `steps`, and the sign of the full limit while
-        that is commanded, from the demand `engage` to `release` [rad]. `noise`: of the rate
-        [rad/s].
-        """
+        """Return the commanded deflection [rad] at step `k`, and update `memory` and `mode`."""
         nonlocal memory, mode
         if noise is not None:
             measured = measured._replace(attitude_rate=measured.attitude_rate + noise[k])
