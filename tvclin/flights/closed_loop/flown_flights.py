@@ -313,35 +313,28 @@ def fly_together(
     """
     # index of the first wind of each flight among all
     winds = np.cumsum([0, *(int(np.prod(flight.wind.history.batch)) for flight in flights)])
-    parts: list[tuple[IntArray, FlownCases]] = []
+    columns: dict[str, AnyArray] = {}  # outcomes of the m flights by field of `FlownCases`
     for part, stages in stages_in_parts(flights):
         first, last = winds[part.start], winds[part.stop]
         cases = np.flatnonzero((which >= first) & (which < last))
         outcomes, _ = flown_in_winds(stages, which[cases] - first, limit[cases], rate_limit[cases])
-        parts.append((cases, outcomes))
-    order = np.argsort(np.concatenate([cases for cases, _ in parts]))  # of the m flights as given
-    flown = FlownCases(
-        **{
-            name: np.concatenate([getattr(outcomes, name) for _, outcomes in parts])[order]
-            for name in FlownCases.__dataclass_fields__
-        }
-    )
+        for name, values in vars(outcomes).items():
+            columns.setdefault(name, np.empty(which.size, values.dtype))[cases] = values
     # Undecided flights are flown anew to a later end: their flight's `further` one, if it has one.
     flight = np.searchsorted(winds, which, side="right") - 1  # index of the flight of each wind
-    undecided = flown.status == UNDECIDED
+    undecided = columns["status"] == UNDECIDED
     going_on = [k for k in np.unique(flight[undecided]).tolist() if flights[k].further is not None]
     cases = np.flatnonzero(undecided & np.isin(flight, going_on))
     if not cases.size:
-        return flown
+        return FlownCases(**columns)
     further_flights = [further for k in going_on if (further := flights[k].further) is not None]
     # the same winds, counted from the first wind of the first of `further_flights`
     further_winds = np.cumsum([0, *np.diff(winds)[going_on[:-1]]])  # first wind of each of these
     in_flight = which[cases] - winds[flight[cases]]
     renumbered = further_winds[np.searchsorted(going_on, flight[cases])] + in_flight
     continued = fly_together(further_flights, renumbered, limit[cases], rate_limit[cases])
-    columns = {name: np.array(values) for name, values in vars(flown).items()}
-    for name, values in columns.items():
-        values[cases] = getattr(continued, name)
+    for name, values in vars(continued).items():
+        columns[name][cases] = values
     return FlownCases(**columns)
 
 

@@ -399,12 +399,10 @@ def fly_many(
         gain=factor.shape,
     )
     laws = law_batch(law, shape)
-    stop = (
-        np.inf
-        if until is None
-        else errors.number("until", until, errors.between(-errors.MAX_TIME, errors.MAX_TIME), "s")
-    )
+    stop = np.inf
     if until is not None:
+        allowed = errors.between(-errors.MAX_TIME, errors.MAX_TIME)
+        stop = errors.number("until", until, allowed, "s")
         end = float(np.max(wind.end, initial=-np.inf, where=np.isfinite(wind.end)))
         if stop < end:
             raise errors.InputError(

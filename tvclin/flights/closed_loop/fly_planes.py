@@ -74,122 +74,6 @@ def plane_flights(
     return f
 
 
-@dataclass(frozen=True, eq=False)
-class PlaneOutcomes:
-    """Peaks, ends and outcomes of m flights in both planes, ``(m,)``, filled while they are flown.
-
-    `attitude`, `deflection`: largest vectors [rad]. `saturated`: samples at the limit. `ended`:
-    number of the last sample, -1 before. `outcome`: index in `STATUS`. `shown`: attitude and
-    deflection vectors [rad] at the samples of a single flight.
-    """
-
-    attitude: FloatArray
-    deflection: FloatArray
-    saturated: FloatArray
-    ended: IntArray
-    outcome: IntArray
-    shown: list[tuple[complex, complex]]
-
-
-def flown_in_step(pair: list[Flights], law: LawInPlanes, limit: FloatArray) -> PlaneOutcomes:
-    """Return the outcomes of m flights whose planes are stepped together until all are decided.
-
-    `pair`: arrays of the flights in pitch and in yaw. `law`: law of both planes, with the limit
-    shape. `limit`: limits of the vector [rad], ``(m,)``. Vectors are complex, pitch + j yaw. The
-    gauge of a vector [rad] is the limit whose shape it just reaches. Each plane gets its component
-    of the limited command, which no limiter of a plane changes.
-    """
-    m, order, limit_shape = limit.size, len(law.law.states[0]), law.shape
-    outcomes = PlaneOutcomes(
-        attitude=np.zeros(m),
-        deflection=np.zeros(m),
-        saturated=np.zeros(m),
-        ended=np.full(m, -1),
-        outcome=np.zeros(m, int),
-        shown=[],
-    )
-    # a plane engages and releases its whole limit at demands of one time the limit
-    steppers, full_command_ratio = [Stepper(f) for f in pair], np.ones(m)
-    last = int(max(f.cases.finish.max(initial=-1) for f in pair))
-    for f in pair:
-        f.cases.finish[:] = last
-    # state 0 is the attitude; the deflection is the state after those of the plant
-    for k in range(last + 1):
-        active = np.flatnonzero(outcomes.ended < 0)
-        with np.errstate(all="ignore"):  # a lost flight may leave all numbers
-            for stepper in steppers:
-                stepper.look(k)
-        attitude = _vectors(pair, lambda f: f.now.y[:, 0])[active]
-        deflection = _vectors(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
-        for peaks, sizes in (
-            (outcomes.attitude, np.abs(attitude)),
-            (outcomes.deflection, limit_shape.gauge(deflection)),
-        ):
-            peaks[active] = np.maximum(peaks[active], sizes)
-        if m == 1:
-            outcomes.shown.append((complex(attitude[0]), complex(deflection[0])))
-        if k % JUDGED_SAMPLES == 0 or k == last:
-            _decide(pair, limit_shape, limit, outcomes, k, k == last)
-            active = np.flatnonzero(outcomes.ended < 0)
-            if not active.size:
-                break
-        measured = _vectors(pair, lambda f: f.now.measured)[active]
-        states = _vectors(pair, lambda f: f.now.states)[active, :order]
-        demand, command = law.demand(measured, states, limit[active]), np.zeros(m, complex)
-        command[active], saturated = law.limited(demand, limit[active])
-        outcomes.saturated[active] += saturated  # number of samples at the limit
-        for stepper, component in zip(steppers, (command.real, command.imag), strict=True):
-            demands = np.ascontiguousarray(component)
-            stepper.advance(k, demands, full_command_ratio, full_command_ratio)
-    return outcomes
-
-
-def _vectors(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vectors:
-    """Return the vectors pitch + j yaw of an array of the flights in both planes.
-
-    `pair`: arrays of the flights in pitch and in yaw. `array`: function that selects the array.
-    """
-    pitch, yaw = (array(f) for f in pair)
-    return np.asarray(pitch + 1j * yaw)
-
-
-def _decide(
-    pair: list[Flights],
-    limit_shape: LimitShape,
-    limit: FloatArray,
-    outcomes: PlaneOutcomes,
-    k: int,
-    last: bool,
-) -> None:
-    """End the flights of which one plane has diverged, or both have settled, in place.
-
-    Both must also be settled as a vector: its unstable coordinates, over their reach, are inside
-    the limit shape. `pair`: arrays of the flights in pitch and in yaw. `limit_shape`: limit shape
-    of unit limit. `limit`: limits of the vector [rad], ``(m,)``. `outcomes`: results, which are
-    updated. `k`: number of the sample. `last`: whether it is the last one, at which all flights
-    end.
-    """
-    pitch, yaw = (f.now.outcome for f in pair)
-    lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
-    survived = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
-    if np.any(survived):
-        # fast unstable coordinate of each plane [rad], the first row of `judges` of the one
-        # vehicle, over its reach: the largest recoverable one per deflection limit
-        z = [f.now.y @ f.vehicles.judges[0, 0] / f.vehicles.reach[0] for f in pair]
-        with np.errstate(all="ignore"):
-            ratio = limit_shape.gauge(np.where(survived, z[0] + 1j * z[1], 0.0))
-        survived &= ratio < _MAX_OVER_RECOVERABLE * limit
-    decided = (lost | survived | last) & (outcomes.ended < 0)
-    outcomes.outcome[decided] = np.where(
-        lost[decided],
-        STATUS.index(LOST),
-        np.where(survived[decided], STATUS.index(SURVIVED), STATUS.index(UNDECIDED)),
-    )
-    outcomes.ended[decided] = k
-    for f in pair:
-        f.now.ended[decided] = k
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class FlownPlanes(Shown):
     """Outcomes of flights in both planes, each field in the shape of the limits.
@@ -218,6 +102,118 @@ class FlownPlanes(Shown):
     time: FloatArray
     attitude: Vectors
     deflection: Vectors
+
+
+def flown_in_step(
+    pair: list[Flights], law: LawInPlanes, limit: FloatArray, start: float, period: float
+) -> FlownPlanes:
+    """Return the outcomes of flights whose planes are stepped together until all are decided.
+
+    `pair`: arrays of the m flights in pitch and in yaw. `law`: law of both planes, with the limit
+    shape. `limit`: limits of the vector [rad], m in number. `start`, `period`: start of the flights
+    and sample period [s]. Vectors are complex, pitch + j yaw. The gauge of a vector [rad] is the
+    limit whose shape it just reaches.
+    """
+    shape, limit, limit_shape = limit.shape, limit.ravel(), law.shape
+    m, steppers = limit.size, [Stepper(f) for f in pair]
+    attitude, deflection, saturated = np.zeros((3, m))  # peaks [rad]; samples at the limit
+    # last sample, -1 before; index of the outcome in `STATUS`
+    ended, outcome = np.full(m, -1), np.full(m, STATUS.index(UNDECIDED))
+    shown: list[tuple[complex, complex]] = []  # vectors at the samples of a single flight
+    last = int(max(f.cases.finish.max(initial=-1) for f in pair))
+    for f in pair:
+        f.cases.finish[:] = last
+    for k in range(last + 1):
+        active = np.flatnonzero(ended < 0)
+        with np.errstate(all="ignore"):  # a lost flight may leave all numbers
+            for stepper in steppers:
+                stepper.look(k)
+        # state 0 is the attitude; the deflection is the state after those of the plant
+        attitudes = _vectors(pair, lambda f: f.now.y[:, 0])[active]
+        deflections = _vectors(pair, lambda f: f.now.y[:, f.vehicles.A.shape[1]])[active]
+        attitude[active] = np.maximum(attitude[active], np.abs(attitudes))
+        deflection[active] = np.maximum(deflection[active], limit_shape.gauge(deflections))
+        if m == 1:
+            shown.append((complex(attitudes[0]), complex(deflections[0])))
+        if k % JUDGED_SAMPLES == 0 or k == last:
+            lost, survived = _lost_and_survived(pair, limit_shape, limit)
+            decided = (lost | survived | (k == last)) & (ended < 0)
+            outcome[decided & survived] = STATUS.index(SURVIVED)
+            outcome[decided & lost] = STATUS.index(LOST)
+            for samples in (ended, *(f.now.ended for f in pair)):
+                samples[decided] = k
+            active = np.flatnonzero(ended < 0)
+            if not active.size:
+                break
+        saturated[active] += _advanced(pair, steppers, law, limit, active, k)
+    vectors = np.array(shown).reshape(-1, 2).T  # complex, attitude and deflection by sample
+    return FlownPlanes(
+        peak_attitude=attitude.reshape(shape),
+        peak_deflection=deflection.reshape(shape),
+        saturated_time_fraction=(saturated / np.maximum(ended, 1)).reshape(shape),
+        end_time=np.asarray(start + ended * period).reshape(shape),
+        status=np.array(STATUS)[outcome].reshape(shape),
+        time=np.asarray(start + period * np.arange(len(shown))),
+        attitude=vectors[0],
+        deflection=vectors[1],
+    )
+
+
+def _advanced(
+    pair: list[Flights],
+    steppers: list[Stepper],
+    law: LawInPlanes,
+    limit: FloatArray,
+    active: IntArray,
+    k: int,
+) -> BoolArray:
+    """Step the flights by the sample with number `k`; return whether their demands are limited.
+
+    Each plane gets its component of the limited command, which no limiter of a plane changes. The
+    result is of the flights that have not ended, whose indices are `active`. `steppers`: kernels of
+    both planes. Other parameters as of `flown_in_step`.
+    """
+    measured = _vectors(pair, lambda f: f.now.measured)[active]
+    states = _vectors(pair, lambda f: f.now.states)[active, : len(law.law.states[0])]
+    demand, command = law.demand(measured, states, limit[active]), np.zeros(limit.size, complex)
+    command[active], saturated = law.limited(demand, limit[active])
+    # a plane engages and releases its whole limit at demands of one time the limit
+    ratio = np.ones(limit.size)
+    for stepper, component in zip(steppers, (command.real, command.imag), strict=True):
+        stepper.advance(k, np.ascontiguousarray(component), ratio, ratio)
+    return saturated
+
+
+def _vectors(pair: list[Flights], array: Callable[[Flights], FloatArray]) -> Vectors:
+    """Return the vectors pitch + j yaw of an array of the flights in both planes.
+
+    `pair`: arrays of the flights in pitch and in yaw. `array`: function that selects the array.
+    """
+    pitch, yaw = (array(f) for f in pair)
+    return np.asarray(pitch + 1j * yaw)
+
+
+def _lost_and_survived(
+    pair: list[Flights], limit_shape: LimitShape, limit: FloatArray
+) -> tuple[BoolArray, BoolArray]:
+    """Return whether a plane of each of m flights has diverged, and whether both have settled.
+
+    Both results are ``(m,)``. Both planes must also be settled as a vector: its unstable
+    coordinates, over their reach, are inside the limit shape. `pair`: arrays of the flights in
+    pitch and in yaw. `limit_shape`: limit shape of unit limit. `limit`: limits of the vector [rad],
+    ``(m,)``.
+    """
+    pitch, yaw = (f.now.outcome for f in pair)
+    lost = (pitch == STATUS.index(LOST)) | (yaw == STATUS.index(LOST))
+    survived = (pitch == STATUS.index(SURVIVED)) & (yaw == STATUS.index(SURVIVED))
+    if np.any(survived):
+        # fast unstable coordinate of each plane [rad], the first row of `judges` of the one
+        # vehicle, over its reach: the largest recoverable one per deflection limit
+        z = [f.now.y @ f.vehicles.judges[0, 0] / f.vehicles.reach[0] for f in pair]
+        with np.errstate(all="ignore"):
+            ratio = limit_shape.gauge(np.where(survived, z[0] + 1j * z[1], 0.0))
+        survived &= ratio < _MAX_OVER_RECOVERABLE * limit
+    return lost, survived
 
 
 @dataclass(frozen=True, eq=False)
@@ -327,9 +323,7 @@ def fly_planes(
             planes, (wind.pitch, wind.yaw), law_in_planes.plane_limits, strict=True
         )
     ]
-    return _record(
-        flown_in_step(pair, law_in_planes, flat), float(wind.onset), 1.0 / rate, limit.shape
-    )
+    return flown_in_step(pair, law_in_planes, limit, float(wind.onset), 1.0 / rate)
 
 
 def flown_plane_limit(
@@ -427,26 +421,3 @@ def _check(wind: PlaneWind, actuator: Actuator | None) -> None:
         raise InputError(
             "actuator must be of first order in two planes: one of second order overshoots the stop"
         )
-
-
-def _record(
-    outcomes: PlaneOutcomes, start: float, period: float, shape: tuple[int, ...]
-) -> FlownPlanes:
-    """Return the outcomes as a public record, in the shape of the limits.
-
-    Saturated samples become a fraction of all, and the last sample a time. Attitude and deflection
-    over time are of a single flight, else empty. `start`: start of the flights [s]. `period`:
-    sample period [s]. `shape`: shape of the limits.
-    """
-    attitude, deflection = np.array(outcomes.shown).reshape(-1, 2).T  # complex, by sample
-    end: FloatArray = np.asarray(start + outcomes.ended * period)
-    return FlownPlanes(
-        peak_attitude=outcomes.attitude.reshape(shape),
-        peak_deflection=outcomes.deflection.reshape(shape),
-        saturated_time_fraction=(outcomes.saturated / np.maximum(outcomes.ended, 1)).reshape(shape),
-        end_time=end.reshape(shape),
-        status=np.array(STATUS)[outcomes.outcome].reshape(shape),
-        time=np.asarray(start + period * np.arange(attitude.size)),
-        attitude=attitude,
-        deflection=deflection,
-    )

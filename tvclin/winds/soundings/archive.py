@@ -80,7 +80,12 @@ class Soundings:
         set_field = partial(object.__setattr__, self)  # the class is frozen
         for name, (low, high, unit) in RANGES.items():  # height, east and north
             set_field(name, errors.within(name, getattr(self, name), low, high, unit))
-        set_field("offsets", self._checked_offsets())
+        offsets = errors.array_of("offsets", self.offsets, "iu", "a row of integers")
+        if offsets.ndim != 1 or not offsets.size:
+            raise errors.InputError(
+                f"offsets must be a row of integers; got {errors.shown(self.offsets)}"
+            )
+        set_field("offsets", offsets.astype(np.int64))
         set_field("times", to_minutes(self.times))
         self._check_shapes()
         errors.text("station", self.station)
@@ -95,15 +100,6 @@ class Soundings:
             raise errors.InputError(
                 "why must hold a reason for each sounding with fewer than two levels"
             )
-
-    def _checked_offsets(self) -> IntArray:
-        """Return `offsets`, which bound the levels of each sounding, as a row of integers."""
-        offsets = errors.array_of("offsets", self.offsets, "iu", "a row of integers")
-        if offsets.ndim != 1 or not offsets.size:
-            raise errors.InputError(
-                f"offsets must be a row of integers; got {errors.shown(self.offsets)}"
-            )
-        return offsets.astype(np.int64)
 
     def _check_shapes(self) -> None:
         """Raise `InputError` for arrays whose shapes or offsets do not fit."""
