@@ -249,7 +249,7 @@ def _rows(
     rows[:n] = at.unlimited[:n]
     if np.any(at.bounded):  # states of the plant, and value and slope of the deflection
         ramp = connect([bare, polynomial_input("deflection", 2)], (), ()).to_steps(at.distinct).A
-        limited = at.stepped(ramp, np.column_stack([vehicle, first, slope]))[:n]
+        limited = _stepped(ramp, at.which, np.column_stack([vehicle, first, slope]))[:n]
         rows[:n] = np.where(at.bounded, limited, rows[:n])
     gust = bare.B[:, 1]  # column of the wind
     rows[:n] += _wind_response(bare.A, gust, wind, at)
@@ -281,24 +281,25 @@ class _Substeps(NamedTuple):
     slope: FloatArray
     unlimited: FloatArray
 
-    def stepped(self, steps: AnyArray, states: AnyArray) -> AnyArray:
-        """Return the products of step matrices and states at m times, as columns ``(n, m)``.
 
-        `steps`: matrices ``(d, n, n)`` over the d `distinct` times since a substep's start; `which`
-        says which of them each time has. `states`: ``(m, n)``. With few distinct times a matrix is
-        multiplied by all of its states at once; otherwise one by one, in blocks of limited memory.
-        """
-        columns = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
-        if self.distinct.size > _MAX_LOOPED_TIMES:
-            width = max(_MAX_NUMBERS // max(steps[0].size, 1), 1)
-            for k in range(0, len(states), width):
-                block = slice(k, k + width)
-                columns[:, block] = np.einsum("mij,mj->im", steps[self.which[block]], states[block])
-            return columns
-        for k, step in enumerate(steps):
-            same = self.which == k
-            columns[:, same] = step @ states[same].T
+def _stepped(steps: AnyArray, which: IndexArray, states: AnyArray) -> AnyArray:
+    """Return the products of step matrices and states at m times, as columns ``(n, m)``.
+
+    `steps`: matrices ``(d, n, n)`` over the d distinct times since a substep's start. `which`:
+    index of that of each time, ``(m,)``. `states`: ``(m, n)``. With few distinct times a matrix is
+    multiplied by all of its states at once; otherwise one by one, in blocks of limited memory.
+    """
+    columns = np.empty((steps.shape[1], len(states)), np.result_type(steps, states))
+    if len(steps) > _MAX_LOOPED_TIMES:
+        width = max(_MAX_NUMBERS // max(steps[0].size, 1), 1)
+        for k in range(0, len(states), width):
+            block = slice(k, k + width)
+            columns[:, block] = np.einsum("mij,mj->im", steps[which[block]], states[block])
         return columns
+    for k, step in enumerate(steps):
+        same = which == k
+        columns[:, same] = step @ states[same].T
+    return columns
 
 
 def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _Substeps:
@@ -314,33 +315,30 @@ def _substeps(f: Flights, system: LinearSystem, n: int, times: FloatArray) -> _S
     begins = track[:, -1]
     row = np.clip(np.searchsorted(begins, times, side="right") - 1, 0, len(begins) - 1)
     u = np.maximum(times - begins[row], 0.0)
-    distinct, which = np.unique(np.round(u, _TIME_DECIMALS), return_inverse=True)
+    rounded, which = np.unique(np.round(u, _TIME_DECIMALS), return_inverse=True)
+    distinct = np.asarray(rounded, dtype=np.float64)
     y, (command, last, bounded) = track[row, :N], track[row, N:-1].T
     # the last row ends with the last of the samples, whose number is `ended`
     period = f.steps.lengths[0, 0]  # of a sample, before the lengths of its parts [s]
     end = f.cases.start[0] + period * f.now.ended[0]
     lengths = np.diff(begins, append=end)[row]
     first = np.clip(y[:, n], -limit, limit)
-    at = _Substeps(
+    steps = system.select(INPUTS[:1], ()).to_steps(distinct)
+    matrices = np.concatenate([steps.A, steps.B], axis=2)
+    return _Substeps(
         onset=float(begins[0]),
         limit=limit,
         begins=begins[row],
         u=u,
-        distinct=np.asarray(distinct, dtype=np.float64),
+        distinct=distinct,
         which=which,
         y=y,
         command=command,
         bounded=bounded > 0.0,
         first=first,
         slope=(last - first) / lengths,
-        unlimited=y,
+        unlimited=_stepped(matrices, which, np.column_stack([y[:, : len(system.states)], command])),
     )
-    steps = system.select(INPUTS[:1], ()).to_steps(at.distinct)
-    unlimited = at.stepped(
-        np.concatenate([steps.A, steps.B], axis=2),
-        np.column_stack([y[:, : len(system.states)], command]),
-    )
-    return at._replace(unlimited=unlimited)
 
 
 def _recorded_rows(f: Flights) -> FloatArray:
@@ -364,7 +362,7 @@ def _wind_response(A: FloatArray, gust: FloatArray, wind: History, at: _Substeps
     matrix, begins = piece_matrix(A, gust, pieces), at.begins
     steps = matrix_exponentials(matrix, at.distinct)[:, :n, n:]
     # each step matrix times the states of the wind's piece at the start of its substep
-    added = np.real(at.stepped(steps, input_states(pieces, begins)))
+    added = np.real(_stepped(steps, at.which, input_states(pieces, begins)))
     knots = pieces.knots[:, np.newaxis]
     ends = begins + at.u
     for k in np.flatnonzero(np.any((begins < knots) & (knots < ends), axis=0)):

@@ -128,12 +128,11 @@ class SixDof:
         count = int(np.ceil((stop - start) / self.step - 1e-9)) + 2
         times = start + self.step * np.arange(-1.0, count)
         angles = step_means(wind, times, self.step)
-        if self.condition is None:
-            speeds = self._speeds(angles, self.vehicle.velocity, self.vehicle.attitude)
-            return Air(wind, times, angles=angles, speeds=speeds, trajectory=None)
-        trajectory = nominal_trajectory(self.vehicle, self.condition, times)
-        paths = trajectory.rows[:, 2]  # flight path angles [rad]
-        speeds = self._speeds(angles, trajectory.speeds, paths)
+        trajectory, velocity, path = None, self.vehicle.velocity, self.vehicle.attitude
+        if self.condition is not None:
+            trajectory = nominal_trajectory(self.vehicle, self.condition, times)
+            velocity, path = trajectory.speeds, trajectory.rows[:, 2]
+        speeds = self._speeds(angles, velocity, path)
         return Air(wind, times, angles=angles, speeds=speeds, trajectory=trajectory)
 
     def steering(self, command: Command, limit: float, air: Air) -> Steering:
@@ -328,16 +327,9 @@ def planes_verdict(
     pole = float(cases["yaw"].coefficients.pole)
     begin, until = min(0.0, float(wind.onset)), verdict_time(wind, pole)
     check_span(begin, until)
-    winds = []  # speeds [m/s] and angles [rad] at the steps, in each plane
-    for plane, case in cases.items():
-        component = getattr(wind, plane)
-        if np.isfinite(component.onset):
-            air = case.air(component, begin, until)
-            winds.append((air.speeds, air.angles))
-        else:  # no wind in this plane; as many steps as in the other, see `SixDof.air`
-            count = int(np.ceil((until - begin) / step - 1e-9)) + 3
-            winds.append((np.zeros(count), np.zeros(count)))
-    speeds, angles = (np.stack(values) for values in zip(*winds, strict=True))
+    winds = [case.air(getattr(wind, plane), begin, until) for plane, case in cases.items()]
+    # at the steps, in each plane: speeds [m/s] and angles [rad]
+    speeds, angles = (np.stack([getattr(air, n) for air in winds]) for n in ("speeds", "angles"))
     numbers = vehicle.replace(name="", time=None)  # airframes are reused by numbers alone
 
     def survives(limit: float) -> bool:
