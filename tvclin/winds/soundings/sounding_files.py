@@ -26,7 +26,7 @@ from tvclin.winds.soundings import igra, rocketpy, synthetic, wind_table, wyomin
 from tvclin.winds.soundings.archive import SoundingCollection, SoundingFilter, Soundings, to_minutes
 from tvclin.winds.soundings.igra import is_station, read_station
 from tvclin.winds.soundings.levels import SoundingEntry, profile_of
-from tvclin.winds.soundings.profile import WindProfile
+from tvclin.winds.soundings.profile import RANGES, WindProfile
 from tvclin.winds.soundings.wind_table import TableOptions
 
 READERS = {
@@ -324,8 +324,10 @@ def _add_single(
     listed_time: Any,
     default_time: Any,
 ) -> None:
-    """Add the soundings of a file to the collection; a file without a sounding is counted.
+    """Add the soundings of a file to the collection, or the reasons why they cannot be used.
 
+    A file without a sounding is counted. A sounding of another station than the filter's is left
+    out; its station is known where the source names it, as pages of the University of Wyoming do.
     `reading`: format, units and elevation of the site [m], each perhaps None. `sounding_filter`:
     which times and stations are read. `listed_time`, `default_time`: time [UTC] that counts for a
     single sounding, and for one that is without any time; or None.
@@ -344,41 +346,23 @@ def _add_single(
             collection.count("files without a date, taken in their order as one a day")
         if time is None:
             collection.count(f"files with {_NO_TIME}", name)
-        elif sounding_filter.accepts(station=None, time=time):  # a file of a single station
-            _add_entry(collection, entry, time, name, sounding_filter)
-
-
-def _add_entry(
-    collection: SoundingCollection,
-    entry: SoundingEntry,
-    time: Any,
-    name: str,
-    sounding_filter: SoundingFilter,
-) -> None:
-    """Add a sounding to the collection, or the reason why it cannot be used.
-
-    A sounding of another station than the filter's is left out; its station is known where
-    the source names it, as pages of the University of Wyoming do. `entry`: the sounding. `time`:
-    its time [UTC]. `name`: name of its file. `sounding_filter`: which station is read.
-    """
-    times = np.array([time])
-    try:
-        profile = profile_of(entry.levels())
-    except errors.InputError as error:  # no heights and winds east and north: zero levels
-        collection.pieces.append(([], [], [], np.array([0]), times))
-        collection.why.append(str(error))
-        return
-    # number of the station
-    number = re.search(r": (\w+) .*Observations", profile.source)
-    if number is not None:
-        if sounding_filter.station not in (None, number[1]):
-            return
-        collection.stations.setdefault(number[1], name)
-    # height, east and north of the levels, number of levels of each sounding, and times
-    collection.pieces.append(
-        (profile.height, profile.east, profile.north, np.array([profile.height.size]), times)
-    )
-    collection.why.append("")
+            continue
+        if not sounding_filter.accepts(station=None, time=time):  # a file of a single station
+            continue
+        reason, levels = "", [np.empty(0)] * len(RANGES)  # heights, winds east and north
+        try:
+            profile = profile_of(entry.levels())
+        except errors.InputError as error:
+            reason = str(error)
+        else:
+            number = re.search(r": (\w+) .*Observations", profile.source)  # of the station
+            if number is not None:
+                if sounding_filter.station not in (None, number[1]):
+                    continue
+                collection.stations.setdefault(number[1], name)
+            levels = [profile.height, profile.east, profile.north]
+        collection.pieces.append((*levels, np.array([levels[0].size]), np.array([time])))
+        collection.why.append(reason)
 
 
 def _entry_time(text: Text, entry: SoundingEntry, file: Path, listed_time: Any) -> Any:
