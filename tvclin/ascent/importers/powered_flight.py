@@ -42,11 +42,20 @@ def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
     """Return the slope dC_N/dalpha [1/rad] at Mach numbers, ``(n,)``.
 
     `slope_source`: a number, a pair of Mach numbers and slopes, or a table that RASAero II or
-    OpenRocket exports. Straight lines between the Mach numbers of a pair or a file; `InputError`
-    for some beyond them, except that below Mach 0.3 the first slope counts.
+    OpenRocket's component analysis exports. Of RASAero it is CN Potential at the smallest angle of
+    attack over that angle: the slope at zero. Its CNalpha (0 to 4 deg) is a secant that holds
+    viscous lift. Of OpenRocket's tables it is the column of the whole rocket. Straight lines
+    between the Mach numbers of a pair or a file; `InputError` for some beyond them, except that
+    below Mach 0.3 the first slope counts.
     """
     if isinstance(slope_source, str | PathLike):
-        at, slope = read_slopes(slope_source)
+        missing = (
+            "names with Mach; give the table that RASAero II (aero plots) or OpenRocket (component"
+            " analysis) exports over Mach"
+        )
+        sheet = read_sheet(slope_source, "a table of slopes over Mach", _at_mach_numbers, missing)
+        potential = sheet.find("CN Potential")
+        at, slope = _analysed(sheet) if potential is None else _potential(sheet, potential)
     elif isinstance(slope_source, tuple | list):
         if len(slope_source) != 2:
             raise errors.InputError(
@@ -69,23 +78,6 @@ def slope_at_mach(slope_source: Slope, mach: FloatArray) -> Column:
             f" {mach.max():.3g}; got Mach {at[0]:.3g} to {at[-1]:.3g}"
         )
     return Column(np.interp(mach, at, slope.values), slope.origin)
-
-
-def read_slopes(path: str | PathLike[str]) -> tuple[FloatArray, Column]:
-    """Return Mach numbers, ``(n,)``, and slopes dC_N/dalpha [1/rad] at them, of a file.
-
-    `path`: a table of RASAero II or of OpenRocket's component analysis. Of RASAero it is CN
-    Potential at the smallest angle of attack over that angle: the slope at zero. Its CNalpha (0 to
-    4 deg) is a secant that holds viscous lift. Of OpenRocket's tables it is the column of the whole
-    rocket.
-    """
-    missing = (
-        "names with Mach; give the table that RASAero II (aero plots) or OpenRocket (component"
-        " analysis) exports over Mach"
-    )
-    sheet = read_sheet(path, "a table of slopes over Mach", _at_mach_numbers, missing)
-    potential = sheet.find("CN Potential")
-    return _potential(sheet, potential) if potential is not None else _analysed(sheet)
 
 
 def _at_mach_numbers(headings: Headings) -> float:

@@ -47,33 +47,6 @@ _MAX_OVER_RECOVERABLE = 0.999
 """Largest vector of unstable coordinates of a surviving flight, over the recoverable set."""
 
 
-def plane_flights(
-    plant: Plant,
-    law: Law,
-    wind: PlaneWind,
-    component: History,
-    limit: FloatArray,
-    hardware: Hardware,
-) -> Flights:
-    """Return the flights of one plane at their start, with onset and end of the vector wind.
-
-    Both planes thus have the same samples, until at most 20000 after the wind. `plant`, `law`: of
-    this plane. `component`: component of the vector `wind` in it. `limit`: deflection limits of the
-    plane [rad], ``(m,)``. `hardware`: sample period, delay, actuator and rate limit.
-    """
-    laws, period = law_batch(law, limit.shape), float(hardware.period)
-    batch = Batch(plant, hardware, component, laws, limit=limit, shape=limit.shape)
-    with np.errstate(invalid="ignore"):  # a plane without wind
-        f = flights(batch)
-    onset = float(wind.onset)
-    ends = int(np.ceil((float(wind.end) - onset) / period - 1e-9))  # samples; 1e-9 is rounding
-    f.cases.start[:], f.cases.ends[:] = onset, ends
-    f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _MAX_SAMPLES_AFTER_WIND)
-    # index of the last breakpoint of the component that is not after the onset
-    f.now.piece[:] = (f.winds.knots[f.cases.wind] <= onset).sum(axis=1) - 1
-    return f
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class FlownPlanes(Shown):
     """Outcomes of flights in both planes, each field in the shape of the limits.
@@ -316,14 +289,23 @@ def fly_planes(
     for plane_plant in planes:
         check_fastest_pole(plane_plant, 1.0 / rate)
     check_samples(float(wind.end - wind.onset), 1.0 / rate)
-    flat = np.atleast_1d(limit).ravel()
-    pair = [
-        plane_flights(plane_plant, law, wind, component, flat * plane_limit, hardware)
-        for plane_plant, component, plane_limit in zip(
-            planes, (wind.pitch, wind.yaw), law_in_planes.plane_limits, strict=True
-        )
-    ]
-    return flown_in_step(pair, law_in_planes, limit, float(wind.onset), 1.0 / rate)
+    onset, laws, pair = float(wind.onset), law_batch(law, (limit.size,)), []
+    # samples of the wind; 1e-9 is rounding
+    ends = int(np.ceil((float(wind.end) - onset) / float(period) - 1e-9))
+    for plane_plant, component, plane_limit in zip(
+        planes, (wind.pitch, wind.yaw), law_in_planes.plane_limits, strict=True
+    ):
+        limits = limit.ravel() * plane_limit
+        batch = Batch(plane_plant, hardware, component, laws, limit=limits, shape=limits.shape)
+        with np.errstate(invalid="ignore"):  # a plane without wind
+            f = flights(batch)
+        # both planes have the samples of the vector wind, until at most 20000 after it
+        f.cases.start[:], f.cases.ends[:] = onset, ends
+        f.cases.finish[:] = ends + np.minimum(f.cases.waiting, _MAX_SAMPLES_AFTER_WIND)
+        # index of the last breakpoint of the component that is not after the onset
+        f.now.piece[:] = (f.winds.knots[f.cases.wind] <= onset).sum(axis=1) - 1
+        pair.append(f)
+    return flown_in_step(pair, law_in_planes, limit, onset, 1.0 / rate)
 
 
 def flown_plane_limit(
