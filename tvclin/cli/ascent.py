@@ -173,11 +173,7 @@ def ascent(
         ratio=request.ratio(case, sizing),
         turbulence=turbulence if isinstance(turbulence, FlightTurbulence) else None,
         flights=_autopilot_flights(case, source, sizing, more),
-        notes_of_request=(
-            *request.warnings,
-            *request.notes,
-            *_hints(request, sizing),
-        ),
+        notes_of_request=(*request.warnings, *request.notes, *_hints(request, sizing)),
     )
     if csv is not None:
         sizing.to_csv(csv)

@@ -32,13 +32,10 @@ def doctor(as_json: AsJson = False) -> None:
         print_json({"versions": python | versions, "extras": installed})
         return
     rows = [[name, version or "missing"] for name, version in (python | versions).items()]
-    extra_rows = [
-        [
-            f"{extra}: {ADDS.get(extra, '')}",
-            ", ".join(f"{k} {v or 'missing'}" for k, v in of.items()),
-        ]
-        for extra, of in installed.items()
-    ]
+    extra_rows = []
+    for extra, of_extra in installed.items():
+        names = ", ".join(f"{name} {version or 'missing'}" for name, version in of_extra.items())
+        extra_rows.append([f"{extra}: {ADDS.get(extra, '')}", names])
     print_tables(
         words("Versions", ["package", "version"], rows),
         words("Extras", ["extra: what it adds", "packages"], extra_rows),

@@ -257,15 +257,9 @@ def fly_laws(
 
     if shown.plot is not None:
         only_with("no --plot: that is drawn of pulses alone", winds=winds.winds)
-    case = case_of(
-        vehicle,
-        model.applied_to,
-        _without_actuator,
-        partial(_with_gains, law_options),
-        wind=winds.applied_to,
-        questions=("fly --law all",),
-        time=time,
-    )
+    changes = (model.applied_to, _without_actuator, partial(_with_gains, law_options))
+    questions = ("fly --law all",)
+    case = case_of(vehicle, *changes, wind=winds.applied_to, questions=questions, time=time)
     plant, hardware = plant_of(case.vehicle, case.law_model, case.plane), case.hardware
     if case.laws is not None and "sample_rate" not in law_options.timing.values:
         hardware["sample_rate"] = case.laws.sample_rate

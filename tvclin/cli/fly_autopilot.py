@@ -139,11 +139,9 @@ def fly_linear(case: LinearCase, boundary: bool, times: Any) -> Compared:
     limit = case.plan.nozzle.limit
     if limit is None or boundary:
         plants = (case.plant, case.plant.rigid) if case.is_flexible else (case.plant,)
+        search = {"highest": MAX_LIMIT_OVER_TRIM, **case.plan.hardware}
         boundaries = tuple(
-            closed_loop_boundary(
-                plant, case.control, case.wind, highest=MAX_LIMIT_OVER_TRIM, **case.plan.hardware
-            )
-            for plant in plants
+            closed_loop_boundary(plant, case.control, case.wind, **search) for plant in plants
         )
     if limit is None:
         assert boundaries is not None
@@ -569,10 +567,8 @@ class AutopilotFlight:
         """
         (force, across), worst = self.peak_force_and_lateral_speed, self.worst
         if isfinite(force):
-            yield (
-                "N times the angle of attack",
-                significant("wind.normal_force", force, 4, "N"),
-            )
+            number = significant("wind.normal_force", force, 4, "N")
+            yield "N times the angle of attack", number
         if isfinite(across):
             yield "drift across", significant("wind.lateral_speed", across, 4, "m/s")
         if worst is not None:

@@ -231,11 +231,9 @@ def _case_in_a_wind(
         raise InputError(f"--plane {BOTH} needs tvclin nozzle --over {FLIGHT}")
     if AUTOPILOT not in options.names and not options.laws:
         FlownLaw(gains=options.gains).only_with_autopilot(vehicle)
-    groups = (
-        *(options.limits, options.load, options.model, options.planes, options.dead_band),
-        options.gains,
-    )
-    changes = [group.applied_to for group in groups]  # functions that put options into a plan
+    groups = (options.limits, options.load, options.model, options.planes, options.dead_band)
+    # functions that put options into a plan
+    changes = [group.applied_to for group in (*groups, options.gains)]
     case = case_of(vehicle, *changes, wind=winds.applied_to, questions=(question,), time=time)
     if not options.names and not options.laws:
         note_omissions(case, f"{question} without --law")

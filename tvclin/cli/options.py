@@ -111,12 +111,7 @@ def option(
     """
     named = [flag] if flag else []
     return typer.Option(
-        default,
-        *named,
-        help=help,
-        show_default=shown or True,
-        metavar=metavar,
-        callback=callback,
+        default, *named, help=help, show_default=shown or True, metavar=metavar, callback=callback
     )
 
 
@@ -196,14 +191,12 @@ class Options:
 
         `names`: fields whose options count, all by default.
         """
-        only_with(
-            needed,
-            **{
-                name: self.values.get(item.name)
-                for name, item in self.fields.items()
-                if not names or item.name in names
-            },
-        )
+        values = {
+            name: self.values.get(item.name)
+            for name, item in self.fields.items()
+            if not names or item.name in names
+        }
+        only_with(needed, **values)
 
 
 def _parameter(item: Field) -> str:
@@ -371,8 +364,7 @@ class GainOptions(Options):
 
 
 GAINS = GainOptions(
-    DESIGN,
-    ("design", "natural_frequency", "damping", "attitude_gain", "rate_gain"),
+    DESIGN, ("design", "natural_frequency", "damping", "attitude_gain", "rate_gain")
 )
 
 

@@ -24,13 +24,9 @@ def vehicles(as_json: AsJson = False) -> None:
         c = Coefficients.from_vehicle(vehicle)
         kinds = ("bending", "slosh")
         counts = {kind: len(getattr(vehicle.structure, kind, ())) for kind in kinds}
-        document[key] = {
-            "name": vehicle.name,
-            "beta_per_s": np.sqrt(c.mu_alpha),
-            "B": c.B,
-            **counts,
-        }
-        numbers = [f"{np.sqrt(c.mu_alpha):.4f}", f"{c.B:.4f}", *map(str, counts.values())]
+        beta = np.sqrt(c.mu_alpha)
+        document[key] = {"name": vehicle.name, "beta_per_s": beta, "B": c.B, **counts}
+        numbers = [f"{beta:.4f}", f"{c.B:.4f}", *map(str, counts.values())]
         rows.append([key, vehicle.name, *numbers])
     if as_json:
         print_json(document)

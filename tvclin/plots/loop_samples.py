@@ -94,9 +94,8 @@ class LoopSamples:
         value = complex(self.loop.response(omega))
         interpolated = float(np.interp(omega, self.omega, self.phase))
         phase = float(np.degrees(np.angle(value)))
-        return phase + 360.0 * round((interpolated - phase) / 360.0), 20.0 * float(
-            np.log10(abs(value))
-        )
+        phase += 360.0 * round((interpolated - phase) / 360.0)
+        return phase, 20.0 * float(np.log10(abs(value)))
 
     def data(self) -> "control.FrequencyResponseData":
         """Return the samples as python-control's frequency response."""
@@ -216,12 +215,9 @@ def decisive_frequencies(margins: Margins) -> FloatArray:
 
     The gain margin down, by which the gain may fall, is named aero margin.
     """
-    frequencies = (
-        margins.aero_frequency,
-        margins.gain_increase_frequency,
-        margins.crossover_frequency,
-    )
-    return np.array([frequency for frequency in frequencies if np.isfinite(frequency)])
+    gains = margins.aero_frequency, margins.gain_increase_frequency
+    frequencies = np.array([*gains, margins.crossover_frequency])
+    return frequencies[np.isfinite(frequencies)]
 
 
 def mode_frequency(mode: ModeBand) -> float:

@@ -143,13 +143,8 @@ def flown_margins_chart(flown_margins: Sequence[FlownMargins]) -> ControlPlot:
             label = name.replace("_", " ") + suffix
             columns.append(Column(label, finite_or_nan(shown), unit, panel))
             styles[label] = {"color": colour, "ls": ":" if suffix else line, "lw": width}
-    curves = Curves(
-        "flown-margins",
-        "flown margins over the limit",
-        "limit over the boundary of the law [-]",
-        spare,
-        tuple(columns),
-    )
+    words, label = "flown margins over the limit", "limit over the boundary of the law [-]"
+    curves = Curves("flown-margins", words, label, spare, tuple(columns))
     ordinate = {_FACTORS: "may change by [dB]", _DELAY: "may grow by [s]"}
     plot = draw(curves, Look("Flown margins over the limit", ordinate, styles))
     for axes in plot.axes.flat:
@@ -198,14 +193,9 @@ def boundary_map_chart(boundary_map: BoundaryMap, limit: float | None = None) ->
     # `growth`: real part of the dominant pole in the linear range, positive where it is unstable
     if boundary_map.growth.max() > 0.0:
         handles.append(Patch(label="grows near rest", **_UNSTABLE_AREA))
-        ends = [0.0, 2.0 * boundary_map.growth.max()]
-        axes.contourf(
-            *coordinates,
-            boundary_map.growth.T,
-            levels=ends,
-            colors=_UNSTABLE_AREA["color"],
-            zorder=3,
-        )
+        growth, ends = boundary_map.growth.T, [0.0, 2.0 * boundary_map.growth.max()]
+        grey = {"colors": _UNSTABLE_AREA["color"], "zorder": 3}
+        axes.contourf(*coordinates, growth, levels=ends, **grey)
     axes.set(xlabel="gain, over that of the law [-]", ylabel="delay [s]")
     axes.set_title("Boundary over gain and delay")
     fine_grid(axes)

@@ -244,11 +244,8 @@ _COLOURS = (COLOURS[3], COLOURS[2], COLOURS[1], COLOURS[0])
 _NEVER = "trim never saturates"
 _STILL = 1e-3
 """Largest attitude over the wind's peak of a flight with trim alone."""
-_DURATIONS, _FACTORS, _UNTIL = (
-    errors.between(1e-3, 1e3),
-    errors.between(1e-6, 1e6),
-    errors.between(1e-3, 1e2),
-)
+_DURATIONS, _FACTORS = errors.between(1e-3, 1e3), errors.between(1e-6, 1e6)
+_UNTIL = errors.between(1e-3, 1e2)
 """Checks of the durations tau beta, of limits over the boundary limit, and of the end t/tau."""
 _ORDINATE = r"attitude error  $(\Theta - \Theta_n)/(-\alpha_{w,max})$ [-]"
 
@@ -467,15 +464,10 @@ def _attitudes(
     control = trim_then_hold(plant, wind, limits, dead_band)
     attitudes = attitude_responses(plant, control, wind, x * duration)["attitude"] / -PEAK
     panel = f"tau*{plant.coefficients.pole_symbol} = {tau_beta:g}"
-    columns = [
-        Column(
-            _name(factor),
-            row,
-            panel=panel,
-            note=_NEVER if factor * boundary.limit * dead_band > 1.0 else "",
-        )
-        for factor, row in zip(factors, attitudes, strict=True)
-    ]
+    columns = []
+    for factor, row in zip(factors, attitudes, strict=True):
+        note = _NEVER if factor * boundary.limit * dead_band > 1.0 else ""
+        columns.append(Column(_name(factor), row, panel=panel, note=note))
     if flights is None:
         return columns
     for factor, limit in zip(factors, limits, strict=True):
@@ -507,14 +499,8 @@ def _styles(factors: Sequence[float], points: int) -> dict[str, Style]:
     for factor, colour, line, mark in looks:
         width = 2.2 if factor == 1.0 else 1.8
         styles[_name(factor)] = {"color": colour, "ls": line, "lw": width}
-        styles[_name(factor, flown=True)] = {
-            "color": colour,
-            "ls": "",
-            "marker": mark,
-            "mfc": "none",
-            "ms": 5.0,
-            "markevery": max(points // 40, 1),
-        }
+        marks: Style = {"color": colour, "ls": "", "marker": mark, "mfc": "none", "ms": 5.0}
+        styles[_name(factor, flown=True)] = marks | {"markevery": max(points // 40, 1)}
     return styles
 
 
@@ -525,6 +511,5 @@ def _frame(boundary: FloatArray) -> tuple[float, float]:
     shows where curves beside it, which diverge, leave the frame.
     """
     size = float(np.abs(boundary).max()) or 1.0
-    return min(-0.35 * size, 1.2 * float(boundary.min())), max(
-        0.35 * size, 1.3 * float(boundary.max())
-    )
+    low, high = float(boundary.min()), float(boundary.max())
+    return min(-0.35 * size, 1.2 * low), max(0.35 * size, 1.3 * high)

@@ -540,15 +540,10 @@ def _frame_modes(axes: Axes, samples: LoopSamples) -> None:
 
     `samples`: the loop with its modes.
     """
-    poles = np.array([mode.pole for mode in samples.modes])
-    ends = np.array([mode.closed_pole for mode in samples.modes])
-    poles_and_ends = np.concatenate([poles, ends])
-    width = 2.0 * float(np.nanmax(np.abs(poles_and_ends.real)))
-    _frame(
-        axes,
-        (-width, 0.6 * width),
-        (0.0, _HEIGHT_OVER_MODE * float(np.nanmax(poles_and_ends.imag))),
-    )
+    poles = np.array([(mode.pole, mode.closed_pole) for mode in samples.modes])
+    width = 2.0 * float(np.nanmax(np.abs(poles.real)))
+    height = _HEIGHT_OVER_MODE * float(np.nanmax(poles.imag))
+    _frame(axes, (-width, 0.6 * width), (0.0, height))
     axes.set_title("modes, real axis stretched", fontsize="medium")
 
 

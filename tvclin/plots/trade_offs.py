@@ -190,17 +190,10 @@ def gain_trade_off_chart(trade_offs: Sequence[GainTradeOff]) -> ControlPlot:
     columns += [
         Column(name, np.full(disk.shape, value)) for name, value in trade_offs[0].limits.items()
     ]
-    curves = Curves(
-        "least-gains",
-        "minimum deflection over the required disk margin",
-        "required disk margin [-]",
-        disk,
-        tuple(columns),
-    )
-    plot = draw(
-        curves,
-        Look("Minimum deflection over disk margin", "deflection over |B alpha_w,max|", styles),
-    )
+    words, label = "minimum deflection over the required disk margin", "required disk margin [-]"
+    curves = Curves("least-gains", words, label, disk, tuple(columns))
+    look = Look("Minimum deflection over disk margin", "deflection over |B alpha_w,max|", styles)
+    plot = draw(curves, look)
     plot.axes.flat[0].set_ylim(bottom=0.0)
     return plot
 

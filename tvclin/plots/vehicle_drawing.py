@@ -106,9 +106,8 @@ def sketch_c(
 
     highest = errors.number("highest", highest, errors.between(1.0, 1e6))
     errors.within("points", errors.whole_number("points", points), 2, 1e6)
-    ratios = errors.one_row(
-        "ratios", np.atleast_1d(errors.within("ratios", ratios, *_RATIOS))
-    ).tolist()
+    checked = errors.within("ratios", ratios, *_RATIOS)
+    ratios = errors.one_row("ratios", np.atleast_1d(checked)).tolist()
     y = np.linspace(0.0, highest, int(points))
     y = np.sort(np.concatenate([y[y != 1.0], [1.0 - _JUMP, 1.0, 1.0 + _JUMP]]))
     columns = []
@@ -119,20 +118,12 @@ def sketch_c(
     corrected = np.where(y > 1.0, early_switch(np.maximum(y, 1.0), ratios[0]), np.nan)
     columns.append(Column(f"large y, corrected, r = {ratios[0]:g}", corrected))
     columns.append(Column("large y, (y - 1)/(2y) as printed", (late - 1.0) / (2.0 * late)))
-    curves = Curves(
-        "sketch-c",
-        "x of 2 x^r - 2 x y = 1 - y, eq (C6), r = beta1/beta2",
-        r"$y = \beta_1 D_1/(\beta_2 D_2)$ [-]",
-        y,
-        tuple(columns),
-    )
+    what = "x of 2 x^r - 2 x y = 1 - y, eq (C6), r = beta1/beta2"
+    abscissa = r"$y = \beta_1 D_1/(\beta_2 D_2)$ [-]"
+    curves = Curves("sketch-c", what, abscissa, y, tuple(columns))
     styles = broken_lines([column.label for column in columns], width=1.8)
-    look = Look(
-        title="Sketch (c). Solution of eq (C6), 2xʳ - 2xy = 1 - y,  r = β₁/β₂",
-        ordinate=r"$x = e^{-\beta_2 t_s}$ [-]",
-        styles=styles,
-        limits={"": (-0.02, 1.02)},
-    )
+    title = "Sketch (c). Solution of eq (C6), 2xʳ - 2xy = 1 - y,  r = β₁/β₂"
+    look = Look(title, r"$x = e^{-\beta_2 t_s}$ [-]", styles, limits={"": (-0.02, 1.02)})
     return draw(curves, look)
 
 
@@ -164,31 +155,17 @@ def _wind_and_control(
         "trim": {"color": "0.45", "ls": "--", "lw": 1.4},
         "control": {"color": WARM, "ls": "-", "lw": 2.2},
     }
-    look = Look(
-        title,
-        {"wind": _WIND, "control": _CONTROL},
-        styles,
-        limits=dict.fromkeys(("wind", "control"), (-0.05, 1.15)),
-        across=1,
-    )
+    ordinates, limits = {"wind": _WIND, "control": _CONTROL}, (-0.05, 1.15)
+    look = Look(title, ordinates, styles, limits=dict.fromkeys(ordinates, limits), across=1)
     plot = draw(curves, look)
     # limit, dead band and its exit are marked in the lower panel, of the control
     axes, limit, switch = plot.axes[1, 0], boundary.limit, float(boundary.switch_time)
-    arrow = {"arrowstyle": "->", "color": INK, "lw": 0.9}
-    axes.annotate(
-        rf"$y_{{BR}} = {limit:.4f}$",
-        (1.25, limit),
-        (1.25, limit - 0.35),
-        arrowprops=arrow,
-        ha="center",
-    )
+    arrow: Style = {"arrowprops": {"arrowstyle": "->", "color": INK, "lw": 0.9}}
+    text = rf"$y_{{BR}} = {limit:.4f}$"
+    axes.annotate(text, (1.25, limit), (1.25, limit - 0.35), ha="center", **arrow)
     if 0.0 < dead_band < 1.0:
-        axes.annotate(
-            rf"$K\,y_{{BR}}$ at $t = a = {switch:.4f}\,\tau$",
-            (switch, dead_band * limit),
-            (switch + 0.12, 0.08),
-            arrowprops=arrow,
-        )
+        text = rf"$K\,y_{{BR}}$ at $t = a = {switch:.4f}\,\tau$"
+        axes.annotate(text, (switch, dead_band * limit), (switch + 0.12, 0.08), **arrow)
     return plot
 
 
