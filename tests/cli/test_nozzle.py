@@ -430,6 +430,15 @@ def test_flights_of_an_autopilot_say_that_nobody_specified_its_gains(question) -
     assert specified.exit_code < 2, specified.output
 
 
+@pytest.mark.parametrize(("limit", "verdict"), [("0.3", "NOT SURVIVED: "), ("2", "MET: limit")])
+def test_the_verdict_over_a_flight_says_that_its_vehicle_is_frozen(limit, verdict) -> None:
+    flight = ("--over", "flight", "--from", "60", "--to", "60", "--limit-deg", limit)
+    first = run(*flight).stdout.partition("\n\n")[0]
+
+    assert first.startswith(verdict)
+    assert " ".join(first.split()).endswith(", with the vehicle frozen at each flight time.")
+
+
 @pytest.mark.parametrize("over", [(), ("--over", "flight", "--from", "60", "--to", "65")])
 def test_more_prints_the_autopilot_that_is_flown(over) -> None:
     given = ("--law", "autopilot", "--limit-deg", "1", "--more")

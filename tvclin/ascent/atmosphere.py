@@ -93,11 +93,16 @@ def pressure_notes(
     excess = np.abs(pressure / np.maximum(standard, np.finfo(float).tiny) - 1.0)
     worst = int(np.argmax(excess))
     if excess[worst] > _MAX_PRESSURE_ERROR:
-        doubt = "a unit" if excess[worst] > _SURELY_ANOTHER_UNIT else "the altitude or its unit"
+        another_unit = excess[worst] > _SURELY_ANOTHER_UNIT
+        doubt = (
+            "a unit may be wrong"
+            if another_unit
+            else "the altitude, from the sea, or the speed may be wrong, or the air not standard"
+        )
         at = "" if np.isnan(times[worst]) else f" at {times[worst]:.6g} s"
         yield ImplausibleInput(
             f"the dynamic pressure{at} is {pressure[worst]:.4g} Pa, and speed and altitude give"
-            f" {standard[worst]:.4g} Pa in the standard atmosphere: {doubt} may be wrong"
+            f" {standard[worst]:.4g} Pa in the standard atmosphere: {doubt}"
         )
 
 

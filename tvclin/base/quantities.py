@@ -40,6 +40,8 @@ OF_RAMP = f"of a ramp for the {REQUIRED}"
 """Definition of the required rate along a flight: not that of a control that knows the wind."""
 NOMINAL = "at nominal dynamic pressure"
 """Of an answer that leaves out the dynamic pressure that the wind itself makes."""
+FROZEN_ALONG = "with the vehicle frozen at each flight time"
+"""Of an answer over a flight: flights with varying parameters may answer otherwise."""
 NO_LIMIT = "no limit is sufficient, the largest that was tried is lost"
 """Of an autopilot that some limits may survive, but none from which on every limit does."""
 

@@ -13,7 +13,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import InputError, one_of
 from tvclin.base.fields import document
 from tvclin.base.lines import Table, listed
-from tvclin.base.quantities import NOMINAL, REQUIRED, REQUIRED_RATE, sufficiency
+from tvclin.base.quantities import FROZEN_ALONG, NOMINAL, REQUIRED, REQUIRED_RATE, sufficiency
 from tvclin.boundary.limit_over_load import LoadTradeOff, load_trade_off
 from tvclin.boundary.limit_over_rate import RateTradeOff, rate_trade_off, required_rate_table
 from tvclin.case.flexible_autopilot import textbook_notes
@@ -502,10 +502,9 @@ def _titled(title: str, table: Table, *others: Table) -> tuple[Table, ...]:
 
 _QUESTION = "nozzle --over flight"
 _FROZEN_DUTY = (
-    "is flown with the vehicle frozen at each flight time, in a head wind at its largest dynamic"
-    " pressure throughout, and through the dynamics of the nozzle; tvclin ascent judges the ideal"
-    " trim law, with pressure and vehicle varying, and may find a limit sufficient that does not"
-    " survive here"
+    f"is flown {FROZEN_ALONG}, in a head wind at its largest dynamic pressure throughout, and"
+    " through the dynamics of the nozzle; tvclin ascent judges the ideal trim law, with pressure"
+    " and vehicle varying, and may find a limit sufficient that does not survive here"
 )
 _USED = (
     "used is what the law uses in its samples, within the limits, at least the lower bound; the"
@@ -537,17 +536,19 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     sheet, *further = duty.tables()
     name = f"{duty.vehicle or source}, {PLANE_TEXTS[case.planes]}"
     sheet = replace(sheet, caption=f"{name}, {law} flown\n{sheet.caption}")
+    satisfied = duty.verdict.satisfied
+    frozen = "" if satisfied is None else f", {FROZEN_ALONG}"
     answer(
         shown.as_json,
         lambda: duty.as_dict() | {"notes": notes},
         lambda: print_answer(
-            duty.verdict.words,
+            f"{duty.verdict.words}{frozen}",
             sheet,
             notes=[*notes, _USED],
             more=more,
             details=lambda: _print_details(further, _at_worst_time(case, duty)),
         ),
-        bool(duty.verdict.satisfied),
+        bool(satisfied),
     )
 
 

@@ -11,6 +11,7 @@ from tvclin.base.lines import Line, degrees, minimum_limit, number, significant,
 from tvclin.base.quantities import (
     BUDGET,
     FORECAST_FREE,
+    FROZEN_ALONG,
     NO_LIMIT,
     NOMINAL,
     OF_RAMP,
@@ -381,9 +382,9 @@ def _duty_question(findings: Findings) -> Iterator[Question]:
     measure = (
         None if worst.available is None else Measure(worst.required, worst.available, worst.unit)
     )
-    line: Line = (f"the {worst.name} that {findings.duty.law} takes along the flight",)
+    line: Line = (f"the {worst.name} that {findings.duty.law} takes, {FROZEN_ALONG}",)
     if verdict.diverged or verdict.unknown:
-        line = (verdict.reason,)
+        line = (f"{verdict.reason}{f', {FROZEN_ALONG}' if verdict.diverged else ''}",)
     yield Question(name, verdict.satisfied, line, measure=measure)
 
 
