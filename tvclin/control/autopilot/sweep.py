@@ -194,7 +194,10 @@ class Sweep(Tabled):
             values = (number(f"sweep.{k}.{name}", column[k], 2) for name, column in columns.items())
             verdict = satisfaction(bool(self.satisfied[k]))
             cells.append((significant(f"sweep.{k}.time", self.times[k]), *values, (verdict,)))
-        count = f", {shown.size} of {self.times.size}" * (shown.size < self.times.size)
+        count = ""
+        if shown.size < self.times.size:
+            which = f"{rows} about evenly, and the worst of each margin"
+            count = f", {shown.size} of {self.times.size}: {which}"
         return Table(
             f"Margins by flight time{count}", ("at [s]", *columns, "criteria"), tuple(cells)
         )
