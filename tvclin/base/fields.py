@@ -407,10 +407,7 @@ def derived(kind: str = "", **more: Any) -> Callable[[_Getter], _Getter]:
     """
 
     def mark(getter: _Getter) -> _Getter:
-        """Attach a `Field` of `kind`, with all else in `more`, to a getter, and return the getter.
-
-        The specification of an attribute is a tuple of fields, here of one.
-        """
+        """Attach a `Field` of `kind`, with `more` attributes, to a getter, and return that."""
         setattr(getter, _SPECIFICATION, (Field(kind=kind, **more),))
         return getter
 

@@ -35,8 +35,7 @@ def pass_warnings(
     ) -> None:
         """Pass a warning of the package to the receiver of its `category`, each message once.
 
-        Warnings of other categories are dropped, as are earlier messages, `said`. `rest`, `more`:
-        file and line, which only the outer handler of warnings, `outside`, gets.
+        `rest`, `more`: file and line, which only the outer handler of warnings gets.
         """
         if category not in receivers or str(message) in said:
             return

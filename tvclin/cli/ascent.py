@@ -194,7 +194,9 @@ def _check_drawn(times: FloatArray) -> None:
 class _Answer:
     """Sizing of a flight with its budget, and the autopilot flown in its winds where it has one.
 
-    `counted`: the requirement of the sizing that enters the budget, which is `total`.
+    `counted`: the requirement of the sizing that enters the budget, which is `total`. `ratio`: the
+    controllability ratio. `flights`: the flights of the autopilot, with its use of the nozzle. Both
+    are None where they are not computed.
     """
 
     source: str
@@ -208,11 +210,7 @@ class _Answer:
 
     @property
     def notes(self) -> list[str]:
-        """Notes of the flight, except of the sizing and of the controllability ratio.
-
-        `flights` are the flights of the autopilot, `use` its required and used deflections; None
-        where they are not computed.
-        """
+        """Notes of the flight, except of the sizing and of the controllability ratio."""
         flights = self.flights
         notes: list[str] = [*deflection_warnings(self.total.required)]
         if flights is not None:
@@ -235,8 +233,7 @@ class _Answer:
     def satisfied(self) -> bool:
         """Whether limits are sufficient, or not given, and each flight of the autopilot survives.
 
-        The limits are on deflection and on rate (`too_slow`), in the budget `total`; `flights` is
-        None without an autopilot. False where one of these is not known.
+        The limits are on deflection and on rate. False where one of these is not known.
         """
         total = self.total
         survived = self.flights is None or bool(self.flights.survived)
@@ -285,8 +282,7 @@ class _Answer:
         """Print the verdict, the deflections by flight time and notes, and with `more` the rest.
 
         The first table is of the deflections that the flown autopilot uses, if it was flown, else
-        of the requirements; `counted` is the requirement that enters the budget, `ratio` the
-        controllability ratio, None if it is not computed.
+        of the requirements.
         """
         sizing, flights, ratio = self.sizing, self.flights, self.ratio
         name = sizing.schedule.vehicle.name or self.source
@@ -311,8 +307,7 @@ class _Answer:
         """Print the tables by time and wind, of the budget, and of turbulence.
 
         `further`: tables by flight time after the first. `in_turbulence`: tables of turbulence
-        after the first. `counted` is the requirement in the budget `total`, `ratio` the
-        controllability ratio, None if it is not computed.
+        after the first.
         """
         sizing, counted, ratio = self.sizing, self.counted, self.ratio
         print_tables(*further)

@@ -439,10 +439,7 @@ class _Answer:
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
-        """Notes on the gains, on the search for them and on their margins.
-
-        Margins are of the `whole` loop and of its modes; `margin_criteria` are their criteria.
-        """
+        """Notes on the gains, on the search for them and on their margins, also of modes."""
         satisfied, delay = self.satisfied, self.margins.whole.delay_margin
         notes = gain_notes(self.case, self.case.margin_criteria, satisfied, delay)
         sampled = self.margins.autopilot.sample_rate is not None
@@ -473,8 +470,7 @@ class _Answer:
     def chart(self) -> "ControlPlot":
         """Return the chart of deflection against disk margin for gains of minimum deflection.
 
-        `sought` are these gains, None where others were designed: then it is the Nichols chart of
-        the margins, with their criteria `margin_criteria`.
+        For other gains it is the Nichols chart of the margins, with their criteria.
         """
         from tvclin import plots
 

@@ -330,11 +330,7 @@ class _Answer:
         notes = (*self._notes, *limit_warnings(self.trials), LEGEND)
 
         def details() -> None:
-            """Print the tables below the answer, and lines on vehicle, flight and scan of limits.
-
-            `others`: all tables of limits but the first, which is printed above. `name`, `winds`,
-            `rate`, `engine`: words on vehicle, winds, samples and actuator.
-            """
+            """Print tables below the answer, and lines on vehicle, flight and scan of limits."""
             print_tables(*others, load_table(self.trials))
             print_parts(self.plant)
             say(f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {rate}, {engine}")

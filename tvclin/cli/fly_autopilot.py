@@ -324,11 +324,7 @@ class AutopilotFlight:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes on the wind angle and angle of attack, the loop, the flight and the gains.
-
-        `compared`: peaks and margins of the autopilot without limits in this wind, beside ideal
-        trim. `case.margin_criteria`: the criteria for its margins, classic ones by default.
-        """
+        """Notes on the wind angle and angle of attack, the loop, the flight and the gains."""
         attack = self.compared.peak_angle_of_attack if self.compared.margins.stable else 0.0
         angle = linear_notes(float(self.compared.wind.peak)) or linear_notes(attack, ATTACK)
         delay, satisfied = self.compared.margins.delay_margin, self.criteria_satisfied

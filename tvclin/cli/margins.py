@@ -298,8 +298,7 @@ class _Answer:
         """Notes on modes slightly off their frequency, and on the gains of the autopilot.
 
         The note on modes that make a stable loop unstable near their frequency is left out where
-        the table of detuned modes, `detuned`, shows that anyway. `case.margin_criteria`: the
-        criteria for the margins, classic ones by default.
+        the table of detuned modes, `detuned`, shows that anyway.
         """
         loop, of_modes = self.margins, ""
         if self.detuned is None and loop.whole.stable and loop.bands and loop.bands.modes:

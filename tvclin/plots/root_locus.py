@@ -220,11 +220,7 @@ class LocusPoles:
         padded = np.pad(above, (below.size - above.size, 0))  # as long as the denominator
 
         def closed(factors: FloatArray) -> AnyArray:
-            """Return the b closed-loop poles [1/s] at m factors ``(m,)`` on the gain, ``(m, b)``.
-
-            At a factor k they are the roots of the polynomial `below` + k `padded`, denominator
-            and numerator of the loop with coefficients of the highest power first.
-            """
+            """Return b closed-loop poles [1/s] at m factors ``(m,)`` on the gain, ``(m, b)``."""
             return polynomials.roots(below + factors[:, np.newaxis] * padded).astype(complex)
 
         return cls(closed(np.zeros(1))[0], polynomials.roots(above).astype(complex), closed)
@@ -242,10 +238,7 @@ class LocusPoles:
         A, B, C, D = system
 
         def closed(factors: FloatArray) -> AnyArray:
-            """Return the b closed-loop poles [1/s] at m factors ``(m,)`` on the gain, ``(m, b)``.
-
-            At a factor k they are the eigenvalues of A - k B C/(1 + k D), by `to_s` in the s plane.
-            """
+            """Return b closed-loop poles [1/s] at m factors ``(m,)`` on the gain, ``(m, b)``."""
             k = factors[:, np.newaxis, np.newaxis]
             return to_s(np.linalg.eigvals(A - k / (1.0 + k * D) * (B @ C)).astype(complex))
 
