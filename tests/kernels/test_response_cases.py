@@ -197,7 +197,7 @@ def test_all_digits_stay_on_the_boundary_at_any_time(K: float, run: None) -> Non
 
 
 @pytest.mark.parametrize("mu_alpha", [1e-8, 1e-12])
-def test_poles_nearly_alike_go_by_lags(mu_alpha: float, run: None) -> None:
+def test_poles_nearly_alike_go_by_matrices(mu_alpha: float, run: None) -> None:
     """Without aerodynamic moment the attitude is the double integral of the deflection."""
     plants = tv.Plant(
         tv.Coefficients(mu_alpha=np.array([mu_alpha, 0.3]), mu_delta=1.0), "fixed-path"

@@ -13,9 +13,7 @@ t). A residue that is zero within the rounding of its own sum counts as zero.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-from math import prod
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -175,86 +173,36 @@ def attitude_responses(
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
     system, labels, direct = plant.modal, plant.outputs, plant.direct_terms
+    rows = list(range(len(labels)))  # of the outputs
     if outputs is not None:
         if not isinstance(outputs, tuple | list) or not outputs:
             raise InputError(f"outputs must be some of {', '.join(labels)}; got {shown(outputs)}")
-        selected = {one_of("outputs", label, plant.outputs) for label in outputs}
-        labels = tuple(label for label in plant.outputs if label in selected)
-        system = system.select_outputs([plant.outputs.index(label) for label in labels])
+        rows = sorted({labels.index(one_of("outputs", label, labels)) for label in outputs})
+        # the wind is subtracted from the last of all outputs, if it is among them
+        less_wind = system.less_wind and rows[-1] == len(labels) - 1
+        system = replace(system, outputs=system.outputs[..., rows], less_wind=less_wind)
     values, indistinct = modal.responses(system, (deflection.pieces, wind.pieces), times, shape)
-    through = 0.0
     if direct is not None:  # D times deflection and wind, in the outputs; only of a `SystemPlant`
         inputs = np.stack(np.broadcast_arrays(deflection(times), wind(times)), axis=-2)
-        through = direct[..., [plant.outputs.index(label) for label in labels], :] @ inputs
+        values += direct[..., rows, :] @ inputs
     if indistinct is not None:  # cases with nearly equal poles, without a sum of modes
-        cases = np.flatnonzero(indistinct)
-        if shape:
-            plant = plant.cases(cases, shape)
-            deflection, wind = (h.cases(cases, shape) for h in (deflection, wind))
-        coupled = _by_lags if direct is None else _by_matrices
-        values[indistinct] = coupled(
-            plant, labels, deflection, wind, times, cases.shape if shape else ()
-        )
-    return Responses(times, values + through, labels)
+        flat = values.reshape(-1, *values.shape[-2:])
+        for k in map(int, np.flatnonzero(indistinct)):
+            histories = deflection.case(k, shape), wind.case(k, shape)
+            flat[k] = _by_matrices(plant.case(k, shape), histories, times)[rows]
+    return Responses(times, values, tuple(labels[k] for k in rows))
 
 
-def _by_lags(
-    plant: Plant,
-    outputs: Sequence[str],
-    deflection: History,
-    wind: History,
-    times: FloatArray,
-    shape: tuple[int, ...],
-) -> FloatArray:
-    """Return the responses ``(..., outputs, n)`` [rad, rad/s] by a chain of lags.
+def _by_matrices(plant: Plant, inputs: tuple[History, History], times: FloatArray) -> FloatArray:
+    """Return the responses ``(outputs, n)`` [rad, rad/s] of one plant by matrix exponentials.
 
-    Each pole p of the plant is a lag y' = p y + f, solved exactly, whose output is the input of the
-    next. It admits repeated poles, as of a vehicle without aerodynamic moment. `plant`:
-    plants of the batch. `outputs`: names. `deflection`, `wind`: inputs [rad]. `times`: [s],
-    ``(n,)``. `shape`: shape of the batch.
+    They admit any poles, also repeated ones, as of a vehicle without aerodynamic moment.
+    `inputs`: deflection and wind [rad]. `times`: [s], ``(n,)``.
     """
-    rows = []
-    # histories of an output in response to one input; those of one case are cached
-    component = _lagged if shape else _latest
-    for output in outputs:
-        from_deflection = component(plant, output, "deflection", deflection)(times)
-        from_wind = component(plant, output, "wind", wind)(times)
-        rows.append(np.broadcast_to(from_deflection + from_wind, (*shape, times.size)))
-    return np.stack(rows, axis=-2)
-
-
-def _by_matrices(
-    plant: Plant,
-    outputs: Sequence[str],
-    deflection: History,
-    wind: History,
-    times: FloatArray,
-    shape: tuple[int, ...],
-) -> FloatArray:
-    """Return the responses ``(..., outputs, n)`` without direct terms, by matrix exponentials.
-
-    They admit any poles; direct terms are D times deflection and wind. `outputs`: names.
-    `deflection`, `wind`: inputs [rad]. `times`: [s], ``(n,)``. `shape`: shape of the batch.
-    """
-    values = np.empty((prod(shape), len(outputs), times.size))
-    rows = [plant.outputs.index(output) for output in outputs]
-    for k in range(len(values)):
-        A, B, C, _ = plant.case(k, shape).matrices()
-        states = np.zeros((times.size, len(A)))
-        for column, history in enumerate((deflection, wind)):
-            (response,) = motions(A, B[:, column], [history.case(k, shape).pieces])
-            states += np.real(response.at(times)[:, : len(A)])  # without the history's own states
-        values[k] = C[rows] @ states.T
-    return values.reshape(*shape, len(outputs), times.size)
-
-
-def _lagged(plant: Plant, output: str, name: str, history: History) -> History:
-    """Return the history of the output `output` in response to the input `name` alone.
-
-    `plant`: one plant or a batch. `history`: history of this input [rad].
-    """
-    return history.filter(plant.numerator(output, name), plant.denominator)
-
-
-_latest = lru_cache(maxsize=8)(_lagged)
-"""Cached `_lagged`, which takes nearly all the time of repeated calls for one response."""
+    A, B, C, D = plant.matrices()
+    outputs = np.zeros((len(C), times.size))
+    for column, history in enumerate(inputs):
+        (response,) = motions(A, B[:, column], [history.pieces])
+        states = np.real(response.at(times)[:, : len(A)])  # without the history's own states
+        outputs += C @ states.T + D[:, column, np.newaxis] * history(times)
+    return outputs

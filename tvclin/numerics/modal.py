@@ -12,8 +12,7 @@ The kernel is `response_cases`, exact within 1e-13 of the largest value of each 
 that are requested.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import reduce
 from math import prod
 from typing import Any
@@ -92,14 +91,6 @@ class ModalSystem:
     gains: AnyArray
     outputs: AnyArray
     less_wind: bool = True
-
-    def select_outputs(self, rows: Sequence[int]) -> "ModalSystem":
-        """Return the system with the outputs at the ascending positions `rows` alone.
-
-        The wind is subtracted (`less_wind`) from the last of all outputs, if it is among them.
-        """
-        last = rows[-1] == self.outputs.shape[-1] - 1
-        return replace(self, outputs=self.outputs[..., rows], less_wind=self.less_wind and last)
 
 
 def is_unstable(poles: AnyArray) -> BoolArray:
