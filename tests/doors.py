@@ -121,7 +121,6 @@ BARE = {
     "case",
     "cases",
     "some",
-    "path_per_attitude",
     "attitude_fractions",
     "altitude_text",
     "deviates",

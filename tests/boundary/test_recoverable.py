@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 import tvclin as tv
 from tvclin import Coefficients, InputError, Plant
 from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
+from tvclin.kernels.control_laws import slow_edges
 
 MODELS = ("fixed-path", "drift", "drift-exact")
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)
@@ -22,6 +23,21 @@ EACH_PAIR = pytest.mark.parametrize("poles", PAIRS)
 def two(poles):
     """Return coordinates of two modes of which only the poles count."""
     return UnstableCoordinates(np.array(poles), np.eye(2), np.ones(2))
+
+
+def slow_range(modes, fast, reach):
+    """Return both ends [rad] of the slow coordinate's recoverable range at a fast coordinate."""
+    # `slow_edges` takes and returns coordinates over `reach`, at a ratio of slow to fast pole
+    return tuple(reach * end for end in slow_edges(np.clip(fast / reach, -1.0, 1.0), modes.ratio))
+
+
+def are_recoverable(modes, z, reach):
+    """Return whether coordinates z [rad], ``(..., N)``, are within the edges for a `reach`."""
+    recoverable = np.abs(z[..., 0]) < reach
+    if modes.poles.size == 1:
+        return recoverable
+    low, high = slow_range(modes, z[..., 0], reach)
+    return recoverable & (low < z[..., 1]) & (z[..., 1] < high)
 
 
 def plant_of(name, model):
@@ -156,7 +172,7 @@ def test_a_state_is_recoverable_when_no_direction_forbids_it(poles):
     points[::2, 1] = points[::2, 0] + rng.normal(0.0, 0.02, size=1500)  # where thin sets lie
     out = excess(poles, points, reach)
     clear = np.abs(out) > 1e-5
-    inside = two(poles).are_recoverable(points, reach)
+    inside = are_recoverable(two(poles), points, reach)
     assert clear.mean() > 0.99
     assert 100 < inside.sum() < 2900
     np.testing.assert_array_equal(inside[clear], out[clear] < 0.0)
@@ -172,7 +188,7 @@ def test_the_edge_touches_the_tightest_direction(poles):
         return 2.0 * support(poles, c) - c @ z
 
     for fast in np.linspace(-1.99, 1.99, 21):
-        for slow in two(poles).slow_range(fast, 2.0):
+        for slow in slow_range(two(poles), fast, 2.0):
             z = np.array([fast, slow])
             best = angles[np.argmin([short(a, z) for a in angles])]
             bounds = (best - 0.01, best + 0.01)
@@ -198,13 +214,13 @@ def test_paths_with_one_switch_come_from_inside_and_fill_the_set(poles):
     rng = np.random.default_rng(5)
     for sign in (1.0, -1.0):
         for first, last in rng.exponential(2.0 / poles[0], size=(40, 2)):
-            assert coordinates.are_recoverable(back(poles, first, last, sign), 1.0)
+            assert are_recoverable(coordinates, back(poles, first, last, sign), 1.0)
         for first in np.linspace(0.1, 4.0, 9) / poles[0]:
             z = back(poles, first, 45.0 / poles[1], sign)  # as good as for ever
-            ends = coordinates.slow_range(z[0], 1.0)
+            ends = slow_range(coordinates, z[0], 1.0)
             assert z[1] == pytest.approx(ends[0 if sign > 0 else 1], abs=1e-9)
-            assert not coordinates.are_recoverable(1.001 * z, 1.0)
-            assert coordinates.are_recoverable(0.999 * z, 1.0)
+            assert not are_recoverable(coordinates, 1.001 * z, 1.0)
+            assert are_recoverable(coordinates, 0.999 * z, 1.0)
 
 
 @BOTH
@@ -222,26 +238,26 @@ def test_a_plant_is_brought_to_rest_from_inside_by_its_own_matrices(name):
         z, reach = modes.left_eigenvectors @ x, limit / plant.coefficients.B
         expected = reach * back(modes.poles, first, last, 1.0)
         np.testing.assert_allclose(z, expected, rtol=1e-6, atol=1e-9)
-        assert modes.are_recoverable(z, reach)
+        assert are_recoverable(modes, z, reach)
 
 
 @EACH_PAIR
 def test_the_edge_itself_is_not_recoverable(poles):
     coordinates, reach = two(poles), 1.7
     for fast in np.linspace(-0.9, 0.9, 7) * reach:
-        low, high = coordinates.slow_range(fast, reach)
+        low, high = slow_range(coordinates, fast, reach)
         for edge, inward in ((low, np.inf), (high, -np.inf)):
-            assert not coordinates.are_recoverable(np.array([fast, edge]), reach)
-            assert coordinates.are_recoverable(np.array([fast, np.nextafter(edge, inward)]), reach)
+            assert not are_recoverable(coordinates, np.array([fast, edge]), reach)
+            assert are_recoverable(coordinates, np.array([fast, np.nextafter(edge, inward)]), reach)
     for corner in ((reach, reach), (-reach, -reach), (reach, 0.0)):
-        assert not coordinates.are_recoverable(np.array(corner), reach)
+        assert not are_recoverable(coordinates, np.array(corner), reach)
 
 
 def test_one_mode_is_recoverable_inside_the_reach_and_not_on_it():
     modes = unstable_coordinates(plant_of("configuration-i", "fixed-path"))
     z = np.array([[-0.2], [-0.19], [0.0], [0.19], [0.2], [0.3]])
     np.testing.assert_array_equal(
-        modes.are_recoverable(z, 0.2), [False, True, True, True, False, False]
+        are_recoverable(modes, z, 0.2), [False, True, True, True, False, False]
     )
     assert modes.ratio == 0.0
 
@@ -251,13 +267,15 @@ def test_the_set_has_its_symmetries_and_takes_many_states_at_once(poles):
     coordinates = two(poles)
     rng = np.random.default_rng(1)
     z, reach = rng.uniform(-1, 1, size=(4, 50, 2)), rng.uniform(0.3, 1.0, size=50)
-    inside = coordinates.are_recoverable(z, reach)
+    inside = are_recoverable(coordinates, z, reach)
     assert inside.shape == (4, 50)
-    np.testing.assert_array_equal(inside, coordinates.are_recoverable(-z, reach))
-    np.testing.assert_array_equal(inside, coordinates.are_recoverable(4.0 * z, 4.0 * reach))
-    single = [[coordinates.are_recoverable(z[i, j], reach[j]) for j in range(50)] for i in range(4)]
+    np.testing.assert_array_equal(inside, are_recoverable(coordinates, -z, reach))
+    np.testing.assert_array_equal(inside, are_recoverable(coordinates, 4.0 * z, 4.0 * reach))
+    single = [
+        [are_recoverable(coordinates, z[i, j], reach[j]) for j in range(50)] for i in range(4)
+    ]
     np.testing.assert_array_equal(inside, single)
-    assert np.all(coordinates.are_recoverable(z, 2.0 * reach)[inside])
+    assert np.all(are_recoverable(coordinates, z, 2.0 * reach)[inside])
     assert coordinates.ratio == poles[1] / poles[0]
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tvclin.numerics.initial_value import initial_value_solution
+from tvclin.numerics.chebyshev import initial_value_solution
 
 
 def everywhere(x):

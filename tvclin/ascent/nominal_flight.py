@@ -23,7 +23,7 @@ from tvclin.base import errors
 from tvclin.base.arrays import FloatArray
 from tvclin.base.fields import checked, file_table, quantity
 from tvclin.base.files import called
-from tvclin.numerics.initial_value import initial_value_solution
+from tvclin.numerics.chebyshev import initial_value_solution
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.vehicle.vehicle_file import is_schedule, read_vehicle_text, table_of
 

@@ -38,7 +38,6 @@ from tvclin.base.cards import Shown
 from tvclin.base.fields import Field, spec, specs
 from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.kernels.choice import run
-from tvclin.kernels.control_laws import slow_edges
 from tvclin.kernels.remaining_integrals import COMPILED, PLAIN, largest_remaining_integrals
 from tvclin.linear.flexible import AnyPlant
 from tvclin.linear.modes import left_eigenvector, poles_text, unstable_poles, wind_over_deflection
@@ -70,32 +69,6 @@ class UnstableCoordinates:
     def ratio(self) -> float:
         """Ratio of the slow pole to the fast one; zero with a single pole."""
         return float(self.poles[1] / self.poles[0]) if self.poles.size > 1 else 0.0
-
-    def are_recoverable(self, z: FloatArray, reach: Any) -> Any:
-        """Return whether coordinates z [rad], ``(..., N)``, are recoverable with |u| < `reach`.
-
-        A state is recoverable if some deflection returns it to equilibrium without wind. u is the
-        deflection over B, the trim deflection per angle of attack, and `reach` [rad], ``(...)``,
-        its limit. Strictly: on the edge the deflection keeps the state constant.
-        """
-        fast = z[..., 0]  # coordinate of the fastest mode
-        recoverable = np.abs(fast) < reach
-        if self.poles.size == 1:
-            return recoverable
-        slow = z[..., 1]
-        low, high = self.slow_range(fast, reach)
-        return recoverable & (low < slow) & (slow < high)
-
-    def slow_range(self, fast: Any, reach: Any) -> tuple[Any, Any]:
-        """Return both ends [rad] of the slow coordinate's recoverable range at a fast coordinate.
-
-        The ends lie on the two paths that reach equilibrium with one switch of the full deflection.
-        `fast`: coordinate [rad] of the fast pole, of a size up to `reach`. `reach`: deflection
-        limit over B [rad], the angle of attack that it trims.
-        """
-        # `slow_edges` takes and returns coordinates over `reach`, at a ratio of slow to fast pole
-        low, high = slow_edges(np.clip(fast / reach, -1.0, 1.0), self.ratio)
-        return reach * low, reach * high
 
 
 def unstable_coordinates(plant: Plant) -> UnstableCoordinates:

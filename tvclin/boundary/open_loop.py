@@ -29,13 +29,15 @@ a grid and by bisection.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from enum import StrEnum
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import AnyArray, BoolArray, FloatArray, IndexArray
+from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit import OK, BoundaryLimit, ExitProblem, boundary_limit, leading_pole
 from tvclin.boundary.optimum.minimum_peak import minimum_peaks, peaks_for_demands
@@ -63,59 +65,37 @@ ROUNDING = 1e-9
 """Relative difference up to which two requirements count as equal."""
 
 
-@dataclass(frozen=True)
-class _AfterTrim:
-    """Dead bands ``(n,)`` and modes ``(n, m)`` of a problem, flattened.
+MinimumPeaks = Callable[[IndexArray, FloatArray, FloatArray], FloatArray]
+"""Function from n cases, their limits L and sufficient limits to the minimum peaks m(L), ``(n,)``.
 
-    `problem`: plants in winds. `dead_band`: K of each case. `modes`: unstable poles [1/s].
-    """
-
-    problem: ExitProblem
-    dead_band: FloatArray
-    modes: AnyArray
-
-    def peaks(self, cases: IndexArray, limits: FloatArray, sufficient: FloatArray) -> FloatArray:
-        """Return the minimum peaks m(L) of n cases after trim up to K L, ``(n,)``.
-
-        m(L) is the smallest limit of a deflection that cancels all unstable modes from the time at
-        which trim has the size K L; the vehicle diverges where m(L) > L.
-
-        `cases`: n indices of cases. `limits`: their L. `sufficient`: deflections returned in place
-        of m(L) where they are proved to be no less. All are over static trim, of a fixed path.
-        """
-        poles = self.modes[cases]
-        # z: constant deflection that each mode requires by itself after trim up to K L; z over the
-        # pole p is the integral of e^(-p t) times the deflection that the mode demands
-        z = self.problem.demands_after_trim(cases, self.dead_band[cases] * limits, poles)
-        return peaks_for_demands(poles, z / poles, sufficient)
+m(L) is the smallest limit of a deflection that cancels all unstable modes from the time at which
+trim has the size K L; the vehicle diverges where m(L) > L. Where m(L) is proved to be no more than
+the sufficient limit, that is returned. All are over static trim, of a fixed path."""
 
 
 def _iterated(
-    after: _AfterTrim, cases: IndexArray, lower: FloatArray, highest: FloatArray
+    K: FloatArray, peaks: MinimumPeaks, cases: IndexArray, lower: FloatArray, highest: FloatArray
 ) -> FloatArray:
     """Return the largest limits L that diverge after trim, ``(n,)``, by L <- max(K L, m(L)).
 
-    m(L) is the minimum peak after trim up to K L; no limit between both sides of a step diverges.
-    `after`: the problem. `cases`: n indices in it. `lower`: other requirements, below which no
-    limit counts. `highest`: starts, which do not diverge. Limits are normalised by static trim.
+    No limit between both sides of a step diverges. `K`: dead bands of all cases. `peaks`: m.
+    `cases`: n indices. `lower`: other requirements, below which no limit counts. `highest`: starts,
+    which do not diverge. Limits are normalised by static trim.
     """
-    limit, K = np.array(highest), after.dead_band[cases]
+    limit, K = np.array(highest), K[cases]
     active = np.arange(cases.size)
     for _ in range(_MAX_STEPS):
         if not active.size:
             break
         L, floor = limit[active], lower[active]
         lowest = np.maximum(floor, K[active] * L)
-        # `peaks`: m(L), or `lowest` where m(L) is proved to be no more
-        next_L = np.minimum(np.maximum(lowest, after.peaks(cases[active], L, lowest)), L)
+        next_L = np.minimum(np.maximum(lowest, peaks(cases[active], L, lowest)), L)
         limit[active] = next_L
         done = L - next_L <= _RELATIVE_STEP * L
         # a limit close to `lower` is not approached in small steps: it is `lower` if that survives
         close = np.flatnonzero(~done & (next_L <= floor * (1.0 + _RELATIVE_RANGE)))
         level = floor[close]
-        survives = after.peaks(cases[active[close]], level, level) <= level * (
-            1.0 + _RELATIVE_ROUNDING
-        )
+        survives = peaks(cases[active[close]], level, level) <= level * (1.0 + _RELATIVE_ROUNDING)
         limit[active[close[survives]]] = level[survives]
         done[close[survives]] = True
         active = active[~done]
@@ -123,24 +103,19 @@ def _iterated(
 
 
 def _bisected(
-    after: _AfterTrim, cases: IndexArray, lower: FloatArray, highest: FloatArray
+    peaks: MinimumPeaks, cases: IndexArray, lower: FloatArray, highest: FloatArray
 ) -> FloatArray:
     """Return the highest limits that diverge after trim, ``(n,)``, by a grid and bisection.
 
-    L diverges if the minimum peak after trim up to K L exceeds it, K being the dead band. `after`:
-    the problem. `cases`: n indices of its cases. `lower`: result if none above it diverges.
-    `highest`: a limit that trim never exceeds. All are normalised by static trim.
+    L diverges if m(L) exceeds it. `peaks`: m. `cases`: n indices. `lower`: result if none above it
+    diverges. `highest`: a limit that trim never exceeds. All are normalised by static trim.
     """
 
     def diverges(which: IndexArray, limits: FloatArray) -> BoolArray:
-        """Return whether limits ``(c, ...)`` diverge after trim, of the problem `after`.
-
-        `which`: c indices in `cases`, ``(c,)``.
-        """
+        """Return whether limits ``(c, ...)`` diverge after trim; `which`: c indices in `cases`."""
         flat = limits.ravel()
         repeated = np.repeat(cases[which], limits.size // which.size)
-        # the minimum peak after trim up to K L, or L itself where that is proved to be sufficient
-        exceeded = after.peaks(repeated, flat, flat) > flat * (1.0 + _RELATIVE_ROUNDING)
+        exceeded = peaks(repeated, flat, flat) > flat * (1.0 + _RELATIVE_ROUNDING)
         return exceeded.reshape(limits.shape)
 
     indices = np.arange(cases.size)
@@ -281,11 +256,19 @@ def _limit_after_trim(
     # trim never exceeds `highest`, so that no limit above it is ever reached
     highest = np.minimum(problem.largest_trim(applicable.reshape(shape)).ravel(), _MAX_LIMIT)
     applicable &= highest > limits
-    after = _AfterTrim(problem, K.ravel(), modes)
-    iterated = (number == 2) & (after.dead_band <= _MAX_ITERATED_DEAD_BAND)
-    for search, cases in ((_iterated, iterated), (_bisected, ~iterated)):
+    dead_bands = K.ravel()
+
+    def peaks(cases: IndexArray, limits: FloatArray, sufficient: FloatArray) -> FloatArray:
+        """Return m(L) of `MinimumPeaks` for n `cases` and `limits` L, ``(n,)``."""
+        # z: constant deflection that each mode requires by itself after trim up to K L; z over the
+        # pole p is the integral of e^(-p t) times the deflection that the mode demands
+        z = problem.demands_after_trim(cases, dead_bands[cases] * limits, modes[cases])
+        return peaks_for_demands(modes[cases], z / modes[cases], sufficient)
+
+    iterated = (number == 2) & (dead_bands <= _MAX_ITERATED_DEAD_BAND)
+    for search, cases in ((partial(_iterated, dead_bands), iterated), (_bisected, ~iterated)):
         selected = np.flatnonzero(applicable & cases)
         if selected.size:
-            limits[selected] = search(after, selected, limits[selected], highest[selected])
+            limits[selected] = search(peaks, selected, limits[selected], highest[selected])
     limit = limits.reshape(shape)
     return np.where(limit > lower, limit * static_trim, 0.0)

@@ -25,7 +25,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tvclin.base.arrays import AnyArray, ComplexArray, FloatArray
+from tvclin.base.arrays import ComplexArray, FloatArray
 from tvclin.base.cards import Shown
 from tvclin.base.errors import InputError, broadcast, ending, instance, single
 from tvclin.base.fields import spec
@@ -38,8 +38,8 @@ from tvclin.linear.plant import Plant
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind, unit_vector
 
-PlaneIntegrals = tuple[Callable[[FloatArray], AnyArray], Callable[[FloatArray], AnyArray]]
-"""Discounted integrals from times [s] to the end of the wind, in pitch and in yaw."""
+Height = Callable[[FloatArray, FloatArray], FloatArray]
+"""Function of two times [s] that broadcast, of which a maximum is sought."""
 
 _MIN_POLE_SEPARATION = 1e-4
 """Smallest distance between the two fastest poles, relative to the fastest."""
@@ -116,28 +116,13 @@ class PlanePair:
         )
         return pitch, yaw
 
-    @cached_property
-    def _remaining_integrals(self) -> tuple[PlaneIntegrals, PlaneIntegrals]:
-        """Functions of time [s] to remaining integrals of trim and wind [rad s], at the fast poles.
-
-        The remaining integral of f at a pole p integrates e^(-p (r - t)) f(r) dr from t on.
-        """
-        (p_pitch, *_), (p_yaw, *_) = self.poles  # the fastest of each plane
-        trim, wind = (
-            (history.pitch.remaining_integral_of(p_pitch), history.yaw.remaining_integral_of(p_yaw))
-            for history in (self.trim, self.wind)
-        )
-        return trim, wind
-
     def required_constant(self, t: FloatArray) -> Vectors:
         """Return the constant deflection [rad] required after `t` [s] of trim, pitch + j yaw.
 
         By the residue condition (4b) of the report it is the mean of the remaining trim with the
         weight p e^(-p (r - t)) at times r, p being the fast pole of each plane.
         """
-        (p_pitch, *_), (p_yaw, *_) = self.poles
-        (pitch, yaw), _ = self._remaining_integrals  # of trim
-        return np.asarray(p_pitch * pitch(t) + 1j * p_yaw * yaw(t))
+        return self._fast_demand(self.trim, self.poles, t)
 
     def wind_demand(self, t: FloatArray) -> Vectors:
         """Return the wind demand [rad] after `t` [s] of the fastest modes, pitch + j yaw.
@@ -145,24 +130,32 @@ class PlanePair:
         It is the constant deflection from `t` on that cancels the excitation of these modes by the
         wind from `t` on.
         """
-        # from integral to demand, of the fastest modes: -p N_wind(p)/N_deflection(p) [1/s]
-        (pitch_factor, *_), (yaw_factor, *_) = self._strengths
-        _, (pitch, yaw) = self._remaining_integrals  # of the wind
-        return np.asarray(pitch_factor * pitch(t) + 1j * (yaw_factor * yaw(t)))
+        return self._fast_demand(self.wind, self._strengths, t)
+
+    def _fast_demand(
+        self, history: PlaneWind, factors: tuple[FloatArray, FloatArray], t: FloatArray
+    ) -> Vectors:
+        """Return the remaining integrals of trim or wind times factors [rad], pitch + j yaw.
+
+        Of the fastest mode of each plane. `history`: of both planes [rad]. `factors`: from integral
+        to demand [1/s], ``(N,)`` in each plane. `t`: times [s] from which the integral counts.
+        """
+        components = (history.pitch, history.yaw)
+        pitch, yaw = (
+            factor[0] * component.remaining_integral(poles[0], t)
+            for factor, component, poles in zip(factors, components, self.poles, strict=True)
+        )
+        return np.asarray(pitch + 1j * yaw)
 
     def mode_demands(self, plane: int, t: float, after_trim: bool) -> FloatArray:
         """Return the demand [rad] of each mode of a plane from `t` [s] on, ``(N,)``.
 
         The demand of an unstable mode is the constant deflection from `t` on that leaves it without
-        excitation. With I the integral of e^(-p (r - t)) f(r) dr from `t` on, p being its pole, it
-        is p I of the trim deflection, since trim itself is such a deflection, and -B K1 p I of the
-        wind for a vehicle at rest at `t`; B K1, trim per wind angle times drift factor, is
-        N_wind(p)/N_deflection(p) of the attitude.
-
-        `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the vehicle is trimmed up to then; else
-        it is at rest.
+        excitation. With I the remaining integral at its pole p it is p I of the trim deflection,
+        since trim itself is such a deflection, and I of the wind times its factor in `_strengths`
+        for a vehicle at rest at `t`. `plane`: 0 is pitch and 1 yaw. `after_trim`: whether the
+        vehicle is trimmed up to then; else it is at rest.
         """
-        # factors on I: p, or -B K1 p (`_strengths`)
         history, factors = (self.trim, self.poles) if after_trim else (self.wind, self._strengths)
         component, poles = (history.pitch, history.yaw)[plane], self.poles[plane]
         return factors[plane] * np.asarray(component.remaining_integral(poles, np.array([t])))[:, 0]
@@ -274,48 +267,28 @@ def no_forecast_bound(pair: PlanePair, limit_shape: LimitShape) -> float:
     shown = pair.times()  # breakpoints of the wind, and times [s] that show its shape
     times = shown[:: max(1, shown.size // _TIMES)]
     times = np.union1d(np.append(times, [onset, end]), np.linspace(onset, end, _TIMES // 2))
-    gauge = _difference_gauge(limit_shape)
-
-    def two_sided(s: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the y [rad] with which y (S - S) contains the wind's demand from `s` to `T` [s].
-
-        S is the limit shape, and S - S the set of its differences.
-        """
-        return gauge(pair.demand_between(s, T))
-
-    def from_onset(_: FloatArray, T: FloatArray) -> FloatArray:
-        """Return the scale y [rad] with which y S contains the wind's demand from onset to `T` [s].
-
-        S is the limit shape of a limit of 1 rad; the demand is the deflection vector of both
-        planes, held from the onset on. The first argument is not used: it makes a function of two
-        times.
-        """
-        return limit_shape.gauge(pair.demand_between(np.full((1, 1), onset), T))
-
-    grid = two_sided(times[:, np.newaxis], times)
-    s, T = (times[i] for i in np.unravel_index(np.argmax(grid), grid.shape))
-    first = from_onset(times, times)
-    latest = times[int(np.argmax(first))]
-    step = float(np.diff(times).max())
-    return max(
-        float(grid.max()),
-        float(first.max()),
-        _refined_maximum(two_sided, (s, T), step, (onset, end)),
-        _refined_maximum(from_onset, (latest, latest), step, (onset, end)),
-    )
+    differences = _difference_gauge(limit_shape)
+    # the scale y [rad] with which y (S - S) contains the demand from s to T [s], and y S that from
+    # the onset to T, whatever s, S being the limit shape of a limit of 1 rad
+    heights: list[Height] = [
+        lambda s, T: differences(pair.demand_between(s, T)),
+        lambda _, T: limit_shape.gauge(pair.demand_between(np.full((1, 1), onset), T)),
+    ]
+    step, bounds = float(np.diff(times).max()), []
+    for height in heights:
+        grid = height(times[:, np.newaxis], times)
+        s, T = (float(times[i]) for i in np.unravel_index(np.argmax(grid), grid.shape))
+        bounds += [float(grid.max()), _refined_maximum(height, (s, T), step, (onset, end))]
+    return max(bounds)
 
 
 def _refined_maximum(
-    height: Callable[[FloatArray, FloatArray], FloatArray],
-    start: tuple[float, float],
-    step: float,
-    ends: tuple[float, float],
+    height: Height, start: tuple[float, float], step: float, ends: tuple[float, float]
 ) -> float:
     """Return the largest value of `height` near a `start`, by grids about the best point, or zero.
 
-    `height`: function of two times [s] that broadcast. `start`: both times. `step`: half width [s]
-    of the first grid; each later one is narrower. `ends`: first and last time [s] of both. Zero if
-    no value is positive.
+    `start`: both times. `step`: half width [s] of the first grid; each later one is narrower.
+    `ends`: first and last time [s] of both. Zero if no value is positive.
     """
     s, T = start
     best = 0.0

@@ -36,6 +36,7 @@ from tvclin.linear.plant import (
 )
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_plant import SystemPlant
+from tvclin.numerics.state_space import Matrices
 from tvclin.vehicle.coefficients import PLANES, Coefficients
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.linear_vehicle import AnyVehicle, LinearVehicle
@@ -44,8 +45,6 @@ from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 
 if TYPE_CHECKING:
     import control
-
-Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 class Shift(NamedTuple):

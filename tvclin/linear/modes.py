@@ -287,10 +287,8 @@ def residues(plant: Plant, deflection: History, wind: History) -> AnyArray:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
-    deflection, wind : History
-        Deflection and wind angle of attack [rad]; all batches broadcast.
+    plant, deflection, wind
+        Same parameters as `judge`.
 
     Notes
     -----
@@ -340,10 +338,8 @@ def is_stable(plant: Plant, deflection: History, wind: History) -> Any:
 
     Parameters
     ----------
-    plant : Plant
-        One plant or a batch.
-    deflection, wind : History
-        Deflection and wind angle of attack [rad]; all batches broadcast.
+    plant, deflection, wind
+        Same parameters as `judge`.
     """
     return judge(plant, deflection, wind).stable
 

@@ -333,7 +333,14 @@ class Plant(WithCoefficients):
         gains = [numerator / slope for numerator in numerators]
         outputs = [np.ones_like(poles), poles]  # attitude and its rate
         if "flight_path_angle" in self.outputs:
-            path = self.path_per_attitude(poles)
+            # the equation gamma' + h gamma = a theta + .. of the flight path has in a free mode the
+            # solution gamma = p a/(p (p + h) + q) theta, q being the gravity term of the speed
+            gravity_term = self.coefficients.q if self.model == "drift-and-speed" else 0.0
+            terms = (self._path.attitude, self._path.damping, gravity_term)
+            a, h, q = (np.asarray(term)[..., np.newaxis] for term in terms)
+            divisor = poles * (poles + h) + q
+            constant = divisor == 0.0  # p = 0 in the drift model: gamma equals theta
+            path = np.where(constant, 1.0, poles * a / np.where(constant, 1.0, divisor))
             outputs += [path, 1.0 - path]  # and the angle of attack, but for the wind
         else:  # a fixed path: the angle of attack is the attitude, but for the wind
             outputs.append(outputs[0])
@@ -518,23 +525,6 @@ class Plant(WithCoefficients):
         D = np.zeros((*self.batch, len(self.outputs), 2))
         D[..., -1, 1] = -1.0
         return A, B, C, D
-
-    def path_per_attitude(self, poles: AnyArray) -> AnyArray:
-        """Return the ratio of flight path angle to attitude in a free mode e^(p t), ``(..., N)``.
-
-        From the flight path equation gamma' + h gamma = a theta + .. of the model, with a and h in
-        1/s: (p + h + q/p) gamma = a theta, q [1/s^2] being the gravity term of "drift-and-speed".
-        The angle of attack of the mode is the remainder of its attitude. `poles`: poles p of the
-        plant [1/s], ``(..., N)``.
-        """
-        path = self._path
-        gravity_term = self.coefficients.q if self.model == "drift-and-speed" else 0.0
-        a, h, q = (
-            np.asarray(a)[..., np.newaxis] for a in (path.attitude, path.damping, gravity_term)
-        )
-        divisor = poles * (poles + h) + q
-        free = divisor == 0.0  # p = 0 in the drift model: a constant path angle, equal to theta
-        return np.where(free, 1.0, poles * a / np.where(free, 1.0, divisor))
 
     def _attitude(self, input: str) -> FloatArray:
         """Return the numerator from `input` to the attitude, ``(..., k)``, highest power first.

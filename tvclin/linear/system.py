@@ -22,13 +22,12 @@ from tvclin.base.arrays import ComplexArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError, broadcast
 from tvclin.numerics import state_space
 from tvclin.numerics.propagation import augmented_matrix, constant_generator, matrix_exponentials
+from tvclin.numerics.state_space import Matrices
 
 if TYPE_CHECKING:
     import control
 
 Names = tuple[str, ...]
-Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-
 WHOLE_SAMPLE_TOLERANCE = 1e-9
 """Distance of a delay from a whole number of samples, in samples, that counts as zero."""
 _ALGEBRAIC_LOOP = "this is an algebraic loop: a signal follows itself at once"

@@ -228,10 +228,7 @@ class SystemPlant(Plant):
         return self._system.batch
 
     def cases(self, index: IndexArray | int, shape: tuple[int, ...]) -> SystemPlant:
-        """Return the plants at flat positions `index` ``(k,)`` of a batch of the shape `shape`.
-
-        The batch of the plant broadcasts to this shape. A scalar position returns a single plant.
-        """
+        """Return the plants at flat positions `index` ``(k,)`` of a batch, as `Plant.cases`."""
         c = self._coefficients
         if c is not None:  # selected by `Plant`, which selects cases of coefficients
             c = Plant(c, "fixed-path").cases(index, shape).coefficients

@@ -1,10 +1,19 @@
-"""Values of a smooth function of time at many times, from those at a few Chebyshev points.
+"""Polynomials at Chebyshev points: smooth functions at many times, and initial value problems.
 
-In each interval between breakpoints the function is evaluated at the extreme points of a Chebyshev
+In each interval between breakpoints a function is evaluated at the extreme points of a Chebyshev
 polynomial, whose degree is doubled until the interpolant of half the degree agrees with the new
 values. Its error falls geometrically with the degree (Trefethen, 2013), so that the one that is
 taken has about the square of that difference. Where it is not worth it, or does not converge, the
 function is evaluated at each time.
+
+The solution of x' = f(t, x) is such a polynomial in each interval, by the Picard iteration
+
+    x <- x(a) + integral from a to t of f(t, x) dt,
+
+with the integral of the polynomial of f, which contracts where the interval is short. An interval
+in which it does not converge, or whose last Chebyshev coefficients, whose size is about the error,
+have not decayed, is halved. So an interval with a jump of a derivative becomes short.
+`scipy.integrate`, whose import takes as long as half a study, needs about as many evaluations.
 """
 
 from __future__ import annotations
@@ -16,7 +25,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebpts2
+from numpy.polynomial.chebyshev import chebint, chebpts2, chebvander
 
 from tvclin.base.arrays import BoolArray, FloatArray, IndexArray, Storage
 
@@ -30,6 +39,14 @@ _HALF_DEGREE_TOLERANCE = 1e-7
 """Largest difference from the interpolant of half the degree, relative to the largest value."""
 _ROUNDING = 1e-13
 """Rounding of a value, relative to the largest of its array."""
+_SOLUTION_DEGREE = 16
+"""Degree of the polynomials of a solution."""
+_MAX_ITERATIONS = 30
+"""Iterations after which an interval is halved."""
+_TOLERANCE = 1e-13
+"""Error of an interval, relative to the largest value in it, or to one if that is larger."""
+_MIN_INTERVAL = 1e-9
+"""Shortest interval, relative to the whole, below which the solution ends."""
 
 
 def smooth_values(
@@ -82,15 +99,11 @@ def smooth_values(
     at_nodes = list(np.split(rows, max(len(pending), 1)))
     remaining: list[slice] = []
     while pending:
-        # values (runs, degree + 1, elements); every second point is one of half the degree, from
-        # which those between are interpolated, to be compared
-        points = np.stack(at_nodes)
-        changes = np.nan_to_num(points - points[:, :1])
-        middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
-        agree = _agree(middles @ changes[:, ::2] + points[:, :1], points, columns[:-1])
-        smooth = np.flatnonzero(agree)
-        runs = [pending[k] for k in smooth]
-        _write(flat, columns, times, runs, points[smooth, 0], changes[smooth])
+        points = np.stack(at_nodes)  # (runs, degree + 1, elements)
+        agree = _agree(points, columns[:-1])
+        smooth = points[agree]
+        runs = [run for run, accepted in zip(pending, agree, strict=True) if accepted]
+        _write(flat, columns, times, runs, smooth[:, 0], np.nan_to_num(smooth - smooth[:, :1]))
         rest: list[tuple[slice, FloatArray]] = []
         for run, of_run, accepted in zip(pending, points, agree, strict=True):
             if not accepted and degree < _MAX_DEGREE and _has_times_for(run, degree):
@@ -217,14 +230,9 @@ def _converges(values: dict[str, FloatArray], shape: tuple[int, int], axis: int)
         np.moveaxis(array.reshape(*shape, -1), axis, 0).reshape(shape[axis], -1)
         for array in values.values()
     ]
-    points, degree = np.concatenate(arrays, axis=1), shape[axis] - 1
     # first column of each array: values are compared in proportion to the largest of their array
     starts = np.cumsum([0, *(array.shape[1] for array in arrays[:-1])])
-    # every second point is one of half the degree; factors that give those between from these
-    middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
-    # from the first point, so that a constant is interpolated without rounding
-    changes = np.nan_to_num(points[::2] - points[0])
-    return bool(_agree(middles @ changes + points[0], points, starts))
+    return bool(_agree(np.concatenate(arrays, axis=1), starts))
 
 
 def _refined(
@@ -281,19 +289,13 @@ def _angles(times: FloatArray, first: float, last: float) -> FloatArray:
     return np.arccos(np.clip(-middle, -1.0, 1.0))
 
 
-@cache
-def _cosines(degree: int) -> FloatArray:
-    """Return the cosines of d + 1 equidistant angles from 0 to pi, d being the degree."""
-    return np.cos(np.linspace(0.0, np.pi, degree + 1))
-
-
 def _factors(degree: int, angles: FloatArray) -> FloatArray:
     """Return the interpolation factors ``(m, d + 1)`` from equidistant angles to others.
 
     The values are at d + 1 angles from 0 to pi, d being the `degree`, and are interpolated at the m
     `angles` as a polynomial of degree d in their cosine.
     """
-    return interpolation_factors(_cosines(degree), np.cos(angles))
+    return interpolation_factors(np.cos(np.linspace(0.0, np.pi, degree + 1)), np.cos(angles))
 
 
 def interpolation_factors(nodes: FloatArray, positions: FloatArray) -> FloatArray:
@@ -312,14 +314,19 @@ def interpolation_factors(nodes: FloatArray, positions: FloatArray) -> FloatArra
     return np.asarray(factors / factors.sum(axis=1, keepdims=True))
 
 
-def _agree(guess: FloatArray, points: FloatArray, starts: IndexArray) -> BoolArray:
+def _agree(points: FloatArray, starts: IndexArray) -> BoolArray:
     """Return whether interpolants of half the degree agree with the function, ``(...)``.
 
-    `points`: values at the Chebyshev points of a degree d, ``(..., d + 1, k)``. `guess`: values of
-    the interpolant at every second one of them, from the second on, ``(..., d / 2, k)``. `starts`:
-    first of the k columns of each array, whose largest value sets its rounding. Columns that are
-    all NaN agree; columns with some NaN do not.
+    `points`: values at the Chebyshev points of a degree d, ``(..., d + 1, k)``, of which every
+    second one, from the first on, is a point of half the degree. `starts`: first of the k columns
+    of each array, whose largest value sets its rounding. Columns that are all NaN agree; columns
+    with some NaN do not.
     """
+    degree = points.shape[-2] - 1
+    middles = _factors(degree // 2, np.linspace(0.0, np.pi, degree + 1)[1::2])
+    # from the first point, so that a constant is interpolated without rounding
+    first = points[..., :1, :]
+    guess = middles @ np.nan_to_num(points[..., ::2, :] - first) + first
     missing = np.isnan(points)
     partly_missing = missing.any(axis=-2) != missing.all(axis=-2)
     largest = np.abs(np.where(missing, 0.0, points)).max(axis=-2)
@@ -330,3 +337,108 @@ def _agree(guess: FloatArray, points: FloatArray, starts: IndexArray) -> BoolArr
         close = np.abs(guess - points[..., 1::2, :]) <= tolerance[..., np.newaxis, :]
     agree = np.all(close | missing[..., 1::2, :], axis=(-2, -1))
     return np.asarray(agree & ~partly_missing.any(axis=-1))
+
+
+@dataclass(frozen=True)
+class InitialValueSolution:
+    """Solution x(t) ``(k,)`` between two times, to about 1e-12 of its size.
+
+    `ends`: times between which it is a polynomial, ``(n + 1,)``, from the first time to the last,
+    which may be earlier. `values`: x at the Chebyshev points of each, ``(n, degree + 1, k)``.
+    """
+
+    ends: FloatArray
+    values: FloatArray
+
+    def __call__(self, t: Any) -> FloatArray:
+        """Return x ``(k,)`` at a time `t` [s], or ``(k, m)`` at times ``(m,)``.
+
+        `ends` separate the intervals, `values` are x at the Chebyshev points of each, between which
+        it is interpolated. A time outside the span counts as the nearer end of it.
+        """
+        times, rising = np.atleast_1d(t), np.sign(self.ends[-1] - self.ends[0])
+        index = np.searchsorted(rising * self.ends[1:-1], rising * times)
+        begin, end = self.ends[index], self.ends[index + 1]
+        positions = np.clip((2.0 * times - begin - end) / (end - begin), -1.0, 1.0)
+        factors = interpolation_factors(_points(), positions)
+        x = np.einsum("md,mdk->km", factors, self.values[index])
+        return x if np.ndim(t) else x[:, 0]
+
+
+def initial_value_solution(
+    rates: Callable[[FloatArray, FloatArray], FloatArray],
+    begin: FloatArray,
+    span: tuple[float, float],
+    valid: Callable[[FloatArray], bool],
+) -> InitialValueSolution:
+    """Return the solution x(t) of x' = f(t, x) from the first time of a span to the last.
+
+    It ends earlier where x would cease to be valid, or where the iteration does not converge. An
+    interval is halved until the iteration converges in it and the last two Chebyshev coefficients
+    of x are below the tolerance; the next one is twice as long as the last that was accepted.
+
+    Parameters
+    ----------
+    rates : callable
+        f from times ``(m,)`` and x ``(k, m)`` to derivatives ``(k, m)``.
+    begin : ndarray
+        x at the first time, ``(k,)``.
+    span : tuple of float
+        First and last time; the last may be the earlier one.
+    valid : callable
+        Function from x ``(k, m)`` to whether f may be evaluated there.
+    """
+    points = _points()
+    to_coefficients = np.linalg.inv(chebvander(points, _SOLUTION_DEGREE))
+    integral = chebvander(points, _SOLUTION_DEGREE + 1) @ chebint(to_coefficients, lbnd=-1.0)
+    # from values at the points of an interval of length one to integrals from its start
+    factors = np.asarray(0.5 * (integral - integral[0]), dtype=float)
+    time, stop = span
+    ends, polynomials, length = [time], [], stop - time
+    x = np.asarray(begin, dtype=float)
+    while time != stop and abs(length) > _MIN_INTERVAL * abs(span[1] - span[0]):
+        times = time + length * (0.5 + 0.5 * points)
+        values, tolerance = _picard(rates, x, times, length * factors, valid)
+        if not np.all(np.abs(to_coefficients[-2:] @ values.T) <= tolerance):
+            length *= 0.5
+            continue
+        x = values[:, -1]
+        time = stop if length == stop - time else time + length
+        ends.append(time)
+        polynomials.append(values.T)
+        length = np.copysign(min(2.0 * abs(length), abs(stop - time)), length)
+    return InitialValueSolution(
+        np.array(ends), np.reshape(polynomials, (-1, _SOLUTION_DEGREE + 1, x.size))
+    )
+
+
+@cache
+def _points() -> FloatArray:
+    """Return the Chebyshev points of an interval, in [-1, 1], ``(degree + 1,)``."""
+    return np.asarray(chebpts2(_SOLUTION_DEGREE + 1))
+
+
+def _picard(
+    rates: Callable[[FloatArray, FloatArray], FloatArray],
+    begin: FloatArray,
+    times: FloatArray,
+    integral: FloatArray,
+    valid: Callable[[FloatArray], bool],
+) -> tuple[FloatArray, FloatArray]:
+    """Return x ``(k, m)`` at the times ``(m,)`` of an interval, and the tolerance of each ``(k,)``.
+
+    NaN where the Picard iteration does not converge. `rates`: f of x' = f(t, x), from times and x
+    to derivatives ``(k, m)``. `begin`: x at the start of the interval, ``(k,)``. `integral`:
+    factors from values at the times to integrals up to the times, ``(m, m)``. `valid`: function
+    that says whether f may be evaluated at x.
+    """
+    x = np.broadcast_to(begin[:, np.newaxis], (begin.size, times.size))
+    for _ in range(_MAX_ITERATIONS):
+        if not valid(x):
+            break
+        following = begin[:, np.newaxis] + rates(times, x) @ integral.T
+        tolerance = _TOLERANCE * np.maximum(np.abs(following).max(axis=1), 1.0)
+        if np.all(np.abs(following - x) <= tolerance[:, np.newaxis]):
+            return following, tolerance
+        x = following
+    return np.full_like(x, np.nan), np.zeros(begin.shape)

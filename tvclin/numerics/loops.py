@@ -309,8 +309,7 @@ class StateLoop:
 
         They are L and one, and at a pole one and zero. `omega`: m frequencies [rad/s], ``(k, m)``.
         """
-        (loop_gain,) = self._solved(1j * omega)
-        return self._fraction(loop_gain, omega)
+        return self._fraction(self._solved(1j * omega), omega)
 
     def log_slope(self, omega: FloatArray) -> AnyArray:
         """Return d ln G/d omega = j G'/G of k loops at j omega, ``(k, m)``.
@@ -447,25 +446,21 @@ class StateLoop:
         values.real, values.imag = total
         repeated = np.flatnonzero(~self.modal[self.case])
         if repeated.size:
-            solved = self.take(repeated)._solved(s[repeated], slope=slope)
-            values[repeated] = solved[int(slope)]  # of the pair L, dL/ds
+            values[repeated] = self.take(repeated)._solved(s[repeated], slope=slope)
         return values
 
-    def _solved(self, s: AnyArray, *, slope: bool = False) -> tuple[AnyArray, ...]:
-        """Return k loops L without delay, and with `slope` dL/ds, at m `s` [1/s] each, ``(k, m)``.
+    def _solved(self, s: AnyArray, *, slope: bool = False) -> AnyArray:
+        """Return k loops L without delay, or with `slope` dL/ds, at m `s` [1/s] each, ``(k, m)``.
 
-        By linear solves, C (s - A)^-1 B + D and -C (s - A)^-2 B, not by residues. Infinite at a
+        By linear solves, C (s - A)^-1 B + D or -C (s - A)^-2 B, not by residues. Infinite at a
         pole, and NaN at NaN: there the matrix is of another s, away from all poles. Many loops
         are halved, to bound the memory.
         """
         block = max(1, _ENTRIES_PER_BLOCK // max(1, s.shape[1] * self.A.shape[-1] ** 2))
         if len(s) > block:
             half = len(s) // 2
-            parts = [
-                self.take(part)._solved(s[part], slope=slope)
-                for part in (slice(half), slice(half, None))
-            ]
-            return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
+            halves = (slice(half), slice(half, None))
+            return np.concatenate([self.take(k)._solved(s[k], slope=slope) for k in halves])
         # `case`: index of the matrices of each loop, of which several loops may have the same
         A, B, C, D = (array[self.case] for array in (self.A, self.B, self.C, self.D))
         poles = self.poles[self.case]
@@ -481,12 +476,12 @@ class StateLoop:
             matrix = matrix + _POLE_OFFSET * away[..., np.newaxis, np.newaxis] * np.eye(A.shape[-1])
             first = np.linalg.solve(matrix, right)
         row = C[:, np.newaxis, np.newaxis, :]
-        values: list[AnyArray] = [(row @ first)[..., 0, 0] + D[:, np.newaxis]]
         if slope:
-            values.append(-(row @ np.linalg.solve(matrix, first))[..., 0, 0])
-        for array in values:
-            array[at_pole], array[np.isnan(s)] = np.inf, np.nan
-        return tuple(values)
+            values = -(row @ np.linalg.solve(matrix, first))[..., 0, 0]
+        else:
+            values = (row @ first)[..., 0, 0] + D[:, np.newaxis]
+        values[at_pole], values[np.isnan(s)] = np.inf, np.nan
+        return np.asarray(values)
 
     def _newton_crossovers(self, omega: FloatArray, size: float) -> FloatArray:
         """Return frequencies [rad/s] with |L| = `size`, ascending, by Newton's method, ``(k, m)``.
@@ -497,7 +492,7 @@ class StateLoop:
         error = np.full(omega.shape, np.nan)
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON_ITERATIONS):
-                value = self._solved(1j * omega)[0]  # L alone, without its slope
+                value = self._solved(1j * omega)
                 slope = self._modal_sum(1j * omega, slope=True)
                 error = np.log(np.abs(value) / size)
                 step = error / -np.imag(slope / value)

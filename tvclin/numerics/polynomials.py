@@ -67,7 +67,11 @@ def add(first: AnyArray, second: AnyArray) -> AnyArray:
     `first`, `second`: coefficients, highest power first, ``(..., m + 1)`` and ``(..., n + 1)``.
     """
     size = max(first.shape[-1], second.shape[-1])
-    return np.asarray(_padded(first, size) + _padded(second, size))
+    batch = np.broadcast_shapes(first.shape[:-1], second.shape[:-1])
+    total = np.zeros((*batch, size), np.result_type(first, second))
+    total[..., size - first.shape[-1] :] = first
+    total[..., size - second.shape[-1] :] += second
+    return total
 
 
 def squared_size(polynomial: FloatArray) -> FloatArray:
@@ -170,13 +174,6 @@ def _parts_on_axis(polynomial: FloatArray) -> tuple[FloatArray, ...]:
     """
     halves = polynomial[..., ::-2][..., ::-1], polynomial[..., -2::-2][..., ::-1]
     return tuple(half * (-1.0) ** np.arange(half.shape[-1])[::-1] for half in halves)
-
-
-def _padded(polynomial: FloatArray, size: int) -> FloatArray:
-    """Return coefficients, highest power first, after zeros up to `size`, ``(..., size)``."""
-    padded = np.zeros((*polynomial.shape[:-1], size), polynomial.dtype)
-    padded[..., size - polynomial.shape[-1] :] = polynomial
-    return padded
 
 
 def _quadratic(middle: FloatArray, product: FloatArray) -> AnyArray:
