@@ -94,14 +94,10 @@ def vector_requirement(
     if _scalar_case(pair) is not None:  # along the wind the two planes are like a single plane
         return separate
     _check_turning(pair, K)  # a wind that turns, where trim would grow after it
-    # `inside` is the shape, or of a cluster a polygon in it, whose gauge takes no search
-    shape = limit_shape if K == 0.0 else limit_shape.inside
-    # the constant deflection after the exit of the dead band, pitch + j yaw
-    deflection, *_ = _dead_band_exit(pair, shape, K, literal=True)
-    limit = max(separate, float(shape.gauge(deflection)))
-    if K in (0.0, 1.0) or max(poles.size for poles in pair.poles) == 1:
-        return limit
-    return _requirement_after_trim(pair, limit_shape.inside, K, literal=True, minimum=limit)
+    requirement = _turning_requirement(
+        pair, limit_shape, K, literal=True, minimum=separate, bound=separate, warning=""
+    )
+    return max(separate, requirement.limit)
 
 
 def two_plane_requirement(

@@ -53,8 +53,7 @@ class ConstantDeflection(History):
     def _pieces(self) -> Pieces:
         """Pieces of a deflection that is zero up to `start` and `limit` from there on."""
         limit, start = np.broadcast_arrays(self.limit, self.start)
-        breakpoints, values, slope = start[..., np.newaxis], limit[..., np.newaxis], 0.0
-        return linear_pieces(breakpoints, values, slope)
+        return linear_pieces(start[..., np.newaxis], limit[..., np.newaxis], 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,9 +105,9 @@ class BangBang(History):
         first = np.broadcast_to(start[..., np.newaxis], (*shape, 1))
         switches = np.broadcast_to(self.switch_times, (*shape, count))
         breakpoints = np.concatenate([first, switches], axis=-1)
-        values = limit[..., np.newaxis] * (-1.0) ** np.arange(count + 1)
-        slope = 0.0
-        return linear_pieces(breakpoints, values, slope)
+        return linear_pieces(
+            breakpoints, limit[..., np.newaxis] * (-1.0) ** np.arange(count + 1), 0.0
+        )
 
 
 def trim_deflection(plant: Plant, wind: History) -> History:

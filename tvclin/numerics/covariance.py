@@ -85,9 +85,7 @@ def steps(A: FloatArray, noise: FloatArray, times: FloatArray) -> tuple[FloatArr
     term = noise * first  # h^k/k! times the k-th derivative of Q(h) at zero, here k = 1
     Q = term.copy()
     for k in range(2, _SERIES_TERMS + 1):
-        product = step @ term
-        term = product + np.swapaxes(product, -1, -2)
-        term *= 1.0 / k
+        term = _noise_slope(step, term) * (1.0 / k)
         Q += term
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(doublings):  # from h to 2 h
@@ -109,19 +107,17 @@ def constant_over_steps(
     """
     (A1, A2), (N1, N2) = A, noise
     factor = np.sqrt(3.0) / 12.0 * np.asarray(times)[:, np.newaxis, np.newaxis]
+    density = 0.5 * (N1 + N2) + factor * (_noise_slope(A2, N1) - _noise_slope(A1, N2))
+    return constant_generator(A1, A2, times), density
 
-    def noise_slope(matrix: FloatArray, noise: FloatArray) -> FloatArray:
-        """Return A N + N A' of m matrices A and symmetric noise densities N, ``(m, n, n)``.
 
-        It is the rate at which motion by A changes a covariance N.
-        """
-        product = matrix @ noise
-        return product + np.swapaxes(product, -1, -2)
+def _noise_slope(matrix: FloatArray, noise: FloatArray) -> FloatArray:
+    """Return A N + N A' of m matrices A and symmetric noise densities N, ``(m, n, n)``.
 
-    return (
-        constant_generator(A1, A2, times),
-        0.5 * (N1 + N2) + factor * (noise_slope(A2, N1) - noise_slope(A1, N2)),
-    )
+    It is the rate at which motion by A changes a covariance N.
+    """
+    product = matrix @ noise
+    return product + np.swapaxes(product, -1, -2)
 
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)

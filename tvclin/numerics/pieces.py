@@ -315,12 +315,8 @@ def polynomial_pieces(pieces: Pieces) -> tuple[FloatArray, FloatArray]:
     first. Piecewise polynomials are exact; pieces with exponentials are divided until a polynomial
     approximates them to 2e-11 of their magnitude.
     """
-    batch = pieces.batch or (1,)
-    pieces = spread(pieces, batch)
-    size = int(np.prod(batch))
-    knots = pieces.knots.reshape(size, pieces.knots.shape[-1])
-    c = pieces.coefficients.reshape(size, *pieces.coefficients.shape[-3:])
-    rates = pieces.rates.reshape(size, pieces.rates.shape[-1])
+    kind = np.result_type(pieces.coefficients, pieces.rates, float)
+    knots, c, rates = flat_arrays(spread(pieces, pieces.batch), kind)
     if not np.any(rates):
         return knots.copy(), np.real(c.sum(axis=-2)).astype(float)
     edges = _cut(knots, np.abs(rates).max(axis=-1))

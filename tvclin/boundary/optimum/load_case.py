@@ -122,7 +122,7 @@ class LoadCase:
         omitted.
         """
         components = np.stack([values.real, values.imag], axis=-1)
-        return components.reshape(*values.shape[:-1], -1)[..., self._components]
+        return components.reshape(*values.shape[:-1], -1)[..., self.components]
 
     def matrix(self, values: AnyArray) -> FloatArray:
         """Return matrices ``(..., m, m)`` that multiply the modes by complex `values` ``(..., k)``.
@@ -135,7 +135,7 @@ class LoadCase:
         even = 2 * np.arange(k)
         product[..., even, even] = product[..., even + 1, even + 1] = values.real
         product[..., even + 1, even], product[..., even, even + 1] = values.imag, -values.imag
-        return product[..., self._components, :][..., self._components]
+        return product[..., self.components, :][..., self.components]
 
     def load(self, times: FloatArray) -> FloatArray:
         """Return the load alpha + M delta [rad] at `times` [s], in their shape.
@@ -207,7 +207,7 @@ class LoadCase:
         return poles[retained], coefficients[retained], int(np.count_nonzero(unstable & retained))
 
     @cached_property
-    def _components(self) -> BoolArray:
+    def components(self) -> BoolArray:
         """Whether each real and imaginary part is a state, ``(2 k,)``: both for a pair."""
         pairs = self.poles.imag > 0.0
         return np.stack([np.ones_like(pairs), pairs], axis=-1).ravel()

@@ -185,8 +185,7 @@ class LoadProgram:
         # coefficients of the states at the start and at the end of each cell
         of_start = case.matrix(np.where(case.unstable, 1.0, -decay))
         of_end = case.matrix(np.where(case.unstable, -decay, 1.0))
-        # whether each real number belongs to an unstable mode: 1 + j marks both of a pair
-        unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
+        unstable = np.repeat(case.unstable, 2)[case.components]  # of each real number of the states
         final_states, m = case.column(case.step_states)[unstable], unstable.size
         driven = _diagonal(start[..., np.newaxis]) @ to_starts
         driven = driven + _diagonal(end[..., np.newaxis]) @ to_ends
@@ -320,8 +319,7 @@ class LoadProgram:
         of_start, of_end = (decayed[:-1] * weights * case.sizes for weights in ends)
         # |s|/s times the last value, which stays constant: the integral behind the last node
         of_end[-1] += decayed[-1] * case.step_states
-        # `column` splits values of modes in real, and for pairs imaginary parts: 1 + j marks both
-        unstable = case.column(np.where(case.unstable, 1.0 + 1.0j, 0.0)) > 0.0
+        unstable = np.repeat(case.unstable, 2)[case.components]  # of each real number of the states
         of_start, of_end = (case.column(x)[:, unstable].T for x in (of_start, of_end))
         # rows @ u is the integral of the deflection, by real condition; scales normalise them
         rows = of_start @ to_starts + of_end @ to_ends
@@ -413,12 +411,9 @@ def _complex(case: LoadCase, prices: FloatArray) -> ComplexArray:
     pair of the real part x and the imaginary part y, whose sum is Re((p1 - j p2) (x + j y)). Stable
     modes have no condition, and zero.
     """
-    values, row = np.zeros(case.poles.size, dtype=complex), 0
-    for i in np.flatnonzero(case.unstable):
-        pair = bool(case.poles[i].imag)
-        values[i] = prices[row] - (1j * prices[row + 1] if pair else 0.0)
-        row += 1 + pair
-    return values
+    parts, unstable = np.zeros(2 * case.poles.size), np.repeat(case.unstable, 2) & case.components
+    parts[unstable] = prices[: np.count_nonzero(unstable)]
+    return np.asarray(parts[::2] - 1j * parts[1::2])
 
 
 def _diagonal(blocks: FloatArray, behind: int = 0) -> Any:

@@ -8,9 +8,8 @@ linear piece. The nodes are refined where the rate or the peak begins or ceases 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -147,33 +146,28 @@ class RateProgram:
         return np.inf if result is None else float(result.x[-1]) * self.unit / self.nodes[-1]
 
     @cached_property
-    def _rows(self) -> Callable[[bool], tuple[Any, Any]]:
-        """Function `_rows_of` with a cache, as minimum peak and minimum motion have equal rows."""
-        return cache(self._rows_of)
-
-    def _rows_of(self, of_rate: bool) -> tuple[Any, Any]:
-        """Return rows that must not be positive, and rows that equal zero or the demands.
+    def _rows(self) -> tuple[Any, Any, Any]:
+        """Rows that bound the values by the peak, the changes by the rate, and equations, sparse.
 
         Variables are the values at the nodes after the first, their changes up and down, and the
-        bound, which is the peak, or the rate times the last time. The first rows bound the values
-        by the peak or, with `of_rate`, the changes by the rate; the others say that the changes are
-        those of the values, and that the moments of the deflection, its integrals times the poles'
-        exponentials, are the demands, each divided by the sum of its absolute moments.
+        bound, which is the peak, or the rate times the last time. The bounded rows must not be
+        positive. The equations say that the changes are those of the values, and that the moments
+        of the deflection, its integrals times the poles' exponentials, are the demands, each
+        divided by the sum of its absolute moments.
         """
         from scipy import sparse  # late: it takes 0.1 s to import
 
         count = self.nodes.size - 1
         identity, none = sparse.identity(count), sparse.csr_matrix((count, count))
-        share = np.diff(self.nodes)[:, np.newaxis] / self.nodes[-1]
-        bound = -share if of_rate else -np.ones((count, 1))
-        blocks = [[identity, none, none], [-identity, none, none]]
-        blocks = [[none, identity, identity]] if of_rate else blocks
+        peak, rate = np.ones((count, 1)), np.diff(self.nodes)[:, np.newaxis] / self.nodes[-1]
+        sides = [sparse.hstack([sign * identity, none, none, -peak]) for sign in (1.0, -1.0)]
+        by_rate = sparse.hstack([none, identity, identity, -rate])
         conditions = np.zeros((self.sizes.size, 3 * count + 1))
         conditions[:, :count] = self.moments[:, 1:] / self.sizes[:, np.newaxis]
         change = identity - sparse.eye(count, k=-1)
         motion = sparse.hstack([change, -identity, identity, sparse.csr_matrix((count, 1))])
-        below = sparse.vstack([sparse.hstack([*block, bound]) for block in blocks])
-        return below.tocsr(), sparse.vstack([motion, conditions]).tocsr()
+        equal = sparse.vstack([motion, conditions])
+        return sparse.vstack(sides).tocsr(), by_rate.tocsr(), equal.tocsr()
 
     def _solve(
         self,
@@ -192,7 +186,8 @@ class RateProgram:
         from scipy.optimize import linprog  # late: it takes 0.3 s to import
 
         count = self.nodes.size - 1
-        below, equal = self._rows(aim == _RATE)  # rows of inequalities <= 0, and of equations
+        by_peak, by_rate, equal = self._rows
+        below = by_rate if aim == _RATE else by_peak
         # each condition is divided by the size of its row, the sum of its absolute moments
         demands = self.constraints.demands / self.sizes / self.unit
         right, upper = np.append(np.zeros(count), demands), np.zeros(below.shape[0])
