@@ -85,10 +85,9 @@ class ExitProblem:
         dip, and more when it is as high again after the dip, in which the demand falls.
         """
         # `which`: the wind of each case. `numbers`: its pole, dead band and trim filter
-        winds, which, numbers = self._arrays
+        _, which, numbers = self._arrays
         out = np.empty((3, which.size))
-        arrays = (winds, which, numbers, literal, out)
-        self._run(switches.switches, *arrays, time_factor=self._time_factor)
+        self._run(switches.switches, which, numbers, literal, out)
         time, demand, status = out.reshape(3, *self.shape)
         return time, demand, status
 
@@ -99,11 +98,10 @@ class ExitProblem:
         infinite where trim grows without bound after the wind.
         """
         trims = np.zeros(self.shape)
-        winds, which, numbers = self._arrays  # winds; of each case the wind's index and parameters
+        _, which, numbers = self._arrays  # of each case the wind's index and parameters
         selected = np.flatnonzero(cases)
         out = np.empty(selected.size)
-        arrays = (winds, which[selected], numbers[selected], out)
-        self._run(switches.largest_trims, *arrays, time_factor=self._time_factor)
+        self._run(switches.largest_trims, which[selected], numbers[selected], out)
         trims.ravel()[selected] = out
         return trims
 
@@ -121,8 +119,8 @@ class ExitProblem:
         demands = np.empty(poles.shape, dtype=np.result_type(poles, winds[1]))
         # of each case b1, b2 and q of the filter -B (s^2 + b2 s + q)/(s^2 + b1 s + q) to trim
         trim_filters = np.ascontiguousarray(numbers[cases, 2:])
-        work = (trim_filters, np.ascontiguousarray(poles), heights)
-        self._run(demands_at_heights, winds, which[cases], *work, demands)
+        work = (which[cases], trim_filters, np.ascontiguousarray(poles), heights, demands)
+        self._run(demands_at_heights, *work, at_heights=True)
         return demands if np.iscomplexobj(poles) else np.real(demands)
 
     @cached_property
@@ -139,28 +137,21 @@ class ExitProblem:
         columns = [np.broadcast_to(values, self.shape).ravel() for values in numbers]
         return winds, which, np.stack(columns, axis=-1)
 
-    @property
-    def _time_factor(self) -> int:
-        """Factor on the estimated run time of a kernel, above one where trim is a filtered wind.
-
-        It is larger for a wind with complex coefficients than with real ones. On a fixed path trim
-        is proportional to the wind: the coefficients of the filter are zero.
-        """
-        (_, wind_coefficients, _), _, parameters = self._arrays
-        is_filtered = np.any(parameters[:, 2:])  # behind the pole and K
-        return switches.FILTERED[wind_coefficients.dtype.kind] if is_filtered else 1
-
     def _run(
-        self, function: Any, winds: Any, which: IndexArray, *arrays: Any, time_factor: int = 1
+        self, function: Any, which: IndexArray, *arrays: Any, at_heights: bool = False
     ) -> None:
         """Run a kernel `function` over n cases, compiled if that is faster.
 
-        `winds`: pieces of the winds: knots, coefficients and exponential rates. `which`: index of
-        the wind of each case, ``(n,)``. `arrays`: its further arguments, ``(n, ...)``, the last of
-        which it writes. `time_factor`: its time over the time without a filter of trim.
+        `which`: index of the wind of each case, ``(n,)``. `arrays`: its further arguments, ``(n,
+        ...)``, the last of which it writes. `at_heights`: whether it takes the heights of trim;
+        else it follows trim, longer where that is a filtered wind: on a fixed path the coefficients
+        of the filter are zero.
         """
-        knots, _, rates = winds
-        terms = time_factor * knots.shape[-1] * rates.shape[-1] * which.size
+        winds, _, parameters = self._arrays
+        knots, coefficients, rates = winds
+        terms = knots.shape[-1] * rates.shape[-1] * which.size
+        if not at_heights and np.any(parameters[:, 2:]):  # behind the pole and K
+            terms *= switches.FILTERED[coefficients.dtype.kind]
         # estimated run time, which decides between compiled and plain code
         seconds = (switches.PLAIN * terms, switches.COMPILED * terms)
         run(function, (winds, which, *arrays), which.size, *seconds)

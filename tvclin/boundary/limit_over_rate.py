@@ -250,19 +250,6 @@ class RateTradeOff(TradeOff):
         return self.limit >= self.lower_bound
 
     @property
-    def _sufficient_with_forecast(self) -> bool:
-        """Whether the nozzle's point is on the trade-off with the wind known, or above.
-
-        It is if a point of the trade-off has neither a larger rate nor a larger limit. A limit or a
-        rate limit of None is no limit.
-        """
-        rate = np.inf if self.rate_limit is None else self.rate_limit
-        limit = np.inf if self.limit is None else self.limit
-        within = np.isfinite(self.limits) & (self.limits <= limit) & (self.rates <= rate)
-        at_any_rate = self.rate_limit is None and self.minimum_deflection < limit < np.inf
-        return at_any_rate or bool(np.any(within))
-
-    @property
     def bound_text(self) -> str:
         """The lower bound of the limit at the nozzle's rate, in words.
 
@@ -287,7 +274,13 @@ class RateTradeOff(TradeOff):
             return f"{sufficiency(None)}: {self.beyond_linear}"
         if self.above_lower_bound is not False:  # above it, or None: no nozzle given
             return ""
-        whose = NO_FORECAST if self._sufficient_with_forecast else WIND_KNOWN
+        # sufficient with a forecast: a point of the trade-off has no larger rate or limit; None is
+        # no limit
+        rate = np.inf if self.rate_limit is None else self.rate_limit
+        limit = np.inf if self.limit is None else self.limit
+        within = np.isfinite(self.limits) & (self.limits <= limit) & (self.rates <= rate)
+        at_any_rate = self.rate_limit is None and self.minimum_deflection < limit < np.inf
+        whose = NO_FORECAST if at_any_rate or np.any(within) else WIND_KNOWN
         return f"{sufficiency(False)}, below the {whose}"
 
     def tables(self) -> tuple[Table, ...]:

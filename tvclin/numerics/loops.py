@@ -377,9 +377,8 @@ class StateLoop:
         BB, CC = B[:, :, np.newaxis] * B[:, np.newaxis], C[:, :, np.newaxis] * C[:, np.newaxis]
         DD = D[:, np.newaxis, np.newaxis]
         A1 = A + B[:, :, np.newaxis] * C[:, np.newaxis] * DD / R
-        upper = np.concatenate([A1, BB / R], axis=-1)
-        lower = np.concatenate([-CC * (1.0 + DD**2 / R), -A1.swapaxes(-1, -2)], axis=-1)
-        roots = np.linalg.eigvals(np.concatenate([upper, lower], axis=-2))
+        hamiltonian = [[A1, BB / R], [-CC * (1.0 + DD**2 / R), -A1.swapaxes(-1, -2)]]
+        roots = np.linalg.eigvals(np.block(hamiltonian))
         candidates = (np.abs(roots.real) < _GAIN_AXIS_TOLERANCE * np.abs(roots)) & (
             roots.imag > 0.0
         )
@@ -401,11 +400,8 @@ class StateLoop:
         """
         A, B, C, D = self._matrices
         zero = np.zeros_like(A)
-        blocks = np.concatenate(
-            [np.concatenate([A, zero], axis=-1), np.concatenate([zero, -A], axis=-1)], axis=-2
-        )
         B, C = (np.concatenate([row, row], axis=-1) for row in (B, C))
-        roots = _zeros(blocks, B, C, np.zeros_like(D))
+        roots = _zeros(np.block([[A, zero], [zero, -A]]), B, C, np.zeros_like(D))
         candidates = (np.abs(roots.real) < _REAL_AXIS_TOLERANCE * np.abs(roots)) & (
             roots.imag > 0.0
         )

@@ -53,26 +53,23 @@ class LoadCase:
     ratio: float = 0.0
     rate: float = np.inf
 
-    @cached_property
+    @property
     def poles(self) -> AnyArray:
         """Poles s [1/s], ``(k,)``: unstable ones first; of a pair only the upper, Im s > 0."""
-        poles, _, _ = self._modes
-        return poles
+        return self._modes[0]
 
-    @cached_property
+    @property
     def shares(self) -> AnyArray:
         """Coefficients c of the load alpha + M delta in the modes' states z, complex ``(k,)``.
 
         A mode contributes c z to the load [rad], a conjugate pair the real part of c z.
         """
-        _, shares, _ = self._modes
-        return shares
+        return self._modes[1]
 
-    @cached_property
+    @property
     def unstable(self) -> BoolArray:
         """Whether each mode is unstable, ``(k,)``; unstable modes are the first."""
-        _, _, number_of_unstable = self._modes
-        return np.arange(self.poles.size) < number_of_unstable
+        return self._modes[2]
 
     @cached_property
     def rates(self) -> AnyArray:
@@ -186,12 +183,12 @@ class LoadCase:
         return load
 
     @cached_property
-    def _modes(self) -> tuple[AnyArray, AnyArray, int]:
-        """Poles of k modes [1/s], coefficients of the modes in the load, number of unstable modes.
+    def _modes(self) -> tuple[AnyArray, AnyArray, BoolArray]:
+        """Poles of k modes [1/s], their coefficients in the load, and which are unstable, ``(k,)``.
 
-        ``(k,)``, ``(k,)`` and a number. Stable modes that are not seen in the load are omitted, and
-        the lower pole of each pair. A mode contributes its coefficient times its state z to the
-        load [rad], with z' = s z + |s| delta; a pair the real part of that.
+        Stable modes that are not seen in the load are omitted, and the lower pole of each pair. A
+        mode contributes its coefficient times its state z to the load [rad], with z' = s z + |s|
+        delta; a pair the real part of that.
         """
         A, B, C, _ = self.plant.matrices()
         poles, right = np.linalg.eig(A)
@@ -204,7 +201,7 @@ class LoadCase:
         seen = np.abs(share) > _NEGLIGIBLE_SHARE * np.abs(share).max()
         retained = (poles.imag >= 0.0) & (unstable | seen)
         coefficients = np.where(poles.imag > 0.0, 2.0, 1.0) * share  # 2: for the conjugate too
-        return poles[retained], coefficients[retained], int(np.count_nonzero(unstable & retained))
+        return poles[retained], coefficients[retained], unstable[retained]
 
     @cached_property
     def components(self) -> BoolArray:
