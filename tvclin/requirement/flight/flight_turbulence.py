@@ -384,13 +384,7 @@ def flight_turbulence(
         else:
             responses = _pulses(loop, wind, signed=j < len(signed) and signed[j])
         for direction, response in responses.items():
-            label = f"{name}{in_wind(direction)}"
-            # pairs of the flight time [s] at which a mean response begins, and that response
-            rows = [
-                _largest(label, start, mean, response, request.factor)
-                for start, mean in response.means
-            ]
-            largest.append(_worst(rows))
+            largest.append(_largest(f"{name}{in_wind(direction)}", response, request.factor))
             covariances.append(response.covariance)
     rms = {
         output: np.max(
@@ -509,22 +503,20 @@ def _of_pulse(loop: LoopOverFlight, rows: list[_PulseRow]) -> _Responses:
     )
 
 
-def _largest(
-    name: str, start: float, mean: CovarianceHistory, responses: _Responses, k: float
-) -> LargestInTurbulence:
-    """Return the largest value of each output over a response to a wind in turbulence.
+def _largest(name: str, responses: _Responses, k: float) -> LargestInTurbulence:
+    """Return the largest value of each output over the responses to a wind in turbulence.
 
-    The value is the size of the mean response plus `k` standard deviations at the same flight time.
-    `name`: name of the wind. `start`: flight time [s] at which the mean response `mean` begins; its
-    times count from there. `responses`: their `covariance` has the standard deviations over the
-    flight, taken constant beyond its ends.
+    The value is the size of a mean response plus `k` standard deviations at the same flight time,
+    which are taken constant beyond the ends of the flight. `name`: name of the wind.
     """
-    times, covariance = mean.times + start, responses.covariance
+    covariance = responses.covariance
+    times = np.concatenate([mean.times + start for start, mean in responses.means])
 
     def sizes(output: str) -> FloatArray:
         """Return |mean response| + k standard deviations of an output at `times` [SI], ``(n,)``."""
+        means = np.concatenate([mean.mean(output) for _, mean in responses.means])
         deviation = np.interp(times, covariance.times, covariance.deviation(output))
-        return np.abs(mean.mean(output)) + k * deviation
+        return np.abs(means) + k * deviation
 
     deflection, has_rate = sizes(DEFLECTION), DEFLECTION_RATE in covariance.outputs
     return LargestInTurbulence(
@@ -534,18 +526,4 @@ def _largest(
         deflection_rate=float(sizes(DEFLECTION_RATE).max()) if has_rate else None,
         angle_of_attack=float(sizes(ANGLE_OF_ATTACK).max()),
         _whole=responses.whole,  # a function: the whole flight is computed only for the travel
-    )
-
-
-def _worst(rows: list[LargestInTurbulence]) -> LargestInTurbulence:
-    """Return the largest of each quantity over the flight times of a wind.
-
-    `rows`: the largest at each of these times; the time of the result has the largest
-    deflection.
-    """
-    rates = [row.deflection_rate for row in rows if row.deflection_rate is not None]
-    return replace(
-        max(rows, key=lambda row: row.deflection),
-        deflection_rate=max(rates, default=None),
-        angle_of_attack=max(row.angle_of_attack for row in rows),
     )

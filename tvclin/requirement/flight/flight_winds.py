@@ -115,11 +115,9 @@ def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: flo
         )
     history = wind_of(wind, vehicle)
     if not isinstance(history, History) or history.batch:
+        hint = f"; a PlaneWind needs plane={BOTH!r}" if isinstance(history, PlaneWind) else ""
         raise InputError(
-            "each wind must be one history, such as TriangularWind, or give one; a PlaneWind needs"
-            f" plane={BOTH!r}"
-            if isinstance(history, PlaneWind)
-            else "each wind must be one history, such as TriangularWind, or give one"
+            f"each wind must be one history, such as TriangularWind, or give one{hint}"
         )
     _check_end(history)
     if placing == PEAK:

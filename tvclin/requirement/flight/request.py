@@ -89,108 +89,6 @@ class SoundingRequest:
             errors.instance("bias", self.bias, WindProfile, "see read_sounding")
 
 
-@dataclass(frozen=True, eq=False)
-class FlightWinds:
-    """Winds on the flight of a case.
-
-    `case`: planes, model, nozzle and sign of the wind. `schedule`: the flight. `pulses`: winds with
-    their peak at each flight time, with the gust of the case. `soundings`: winds over height, by
-    name. `peak_speed`, `gust_speed`: wind speeds [m/s] in place of the angles of pulses and gust.
-    `window`: length of a sounding that counts about each flight time [s]. `dead_band`: dead band
-    for which the time of a gust is the worst.
-    """
-
-    case: Case
-    schedule: FlightSchedule
-    pulses: tuple[ShapedWind, ...]
-    soundings: Mapping[str, SoundingRequest]
-    peak_speed: float | None
-    gust_speed: float | None
-    window: float | None
-    dead_band: float
-
-    @property
-    def by_name(self) -> dict[str, WindOf]:
-        """Winds for `size` by name: of pulses functions of the vehicle, of soundings over time."""
-        sign = self.case.sign
-        if sign in SIGNS and any(pulse.heading is not None for pulse in self.pulses):
-            raise errors.InputError(
-                "a wind with a direction is a head or a tail wind by that: leave sign"
-            )
-        return {self._name(pulse): self._pulse(pulse) for pulse in self.pulses} | {
-            self._with_gust(name): self._sounding(name, sounding)
-            for name, sounding in self.soundings.items()
-        }
-
-    @property
-    def gust(self) -> GustOf | None:
-        """Gust [rad] over time, by a gust speed a function from a vehicle to it; None without."""
-        gust: GustOf | None = getattr(self.case.wind, "gust", None)
-        if self.gust_speed is None or not isinstance(gust, History):
-            return gust
-        return GustOfSpeed(gust, self.gust_speed, self.case.planes)
-
-    def case_of(self, vehicle: Vehicle, pulse: ShapedWind) -> Case:
-        """Return the case of a vehicle in a pulse, whose speeds become angles for this vehicle."""
-        case = self.case
-        if self.peak_speed is not None:
-            pulse = pulse.with_speed(self.peak_speed, vehicle, case.plane)
-        if self.gust_speed is not None:
-            pulse = pulse.with_gust_speed(self.gust_speed, vehicle, case.plane)
-        return Case(
-            vehicle=vehicle,
-            model=case.model,
-            plane=case.plane,
-            wind=pulse,
-            nozzle=case.nozzle,
-            design=case.design,
-            sign=case.sign,
-        )
-
-    def _pulse(self, pulse: ShapedWind) -> WindOf:
-        """Return the function from a vehicle to its wind in a pulse, in the plane or in both."""
-        case = self.case
-
-        def encountered(vehicle: Vehicle) -> History | PlaneWind:
-            """Return the wind angle of a vehicle; `NotKnownError` beyond linear aerodynamics."""
-            placed = self.case_of(vehicle, pulse).wind_at(self.dead_band)  # gust at its worst time
-            checked_linear(placed.max_angle)
-            attitude = float(np.asarray(vehicle.attitude))
-            if case.planes != BOTH:
-                return placed.in_plane(case.plane, attitude).history({})  # nothing is dispersed
-            peaks = placed.peaks(attitude)  # the angle in each plane [rad]
-            return PlaneWind(**{plane: component_in(placed, peaks, plane) for plane in PLANES})
-
-        return encountered
-
-    def _sounding(self, name: str, sounding: SoundingRequest) -> WindOf:
-        """Return the wind angle of attack [rad] in the sounding `name`, with the gust, over time.
-
-        In the plane of the case, or both; at the dynamic pressure encountered unless `FROZEN`.
-        """
-        with errors.naming(name):
-            return fly_through(
-                sounding.profile,
-                self.schedule,
-                azimuth=sounding.azimuth,
-                plane=self.case.planes,
-                window=self.window,
-                gust=self.gust,
-                pressure=self.case.sign != FROZEN,
-                bias=sounding.bias,
-            )
-
-    def _name(self, pulse: ShapedWind) -> str:
-        """Return the name of a pulse: shape, peak (or `peak_speed`), duration and gust."""
-        peak, speed = pulse.peak, self.peak_speed
-        strength = f"{np.degrees(peak):.6g} deg" if speed is None else f"{speed:g} m/s"
-        return self._with_gust(f"{pulse.shape} wind of {strength}, {pulse.duration:g} s")
-
-    def _with_gust(self, name: str) -> str:
-        """Return the `name` of a wind with peak and duration of the gust on top of it."""
-        return name if self.gust is None else f"{name}, {gust_words(self.gust)}"
-
-
 _MIN_STEP_FRACTION = 1e-9
 """Minimum distance of even flight times from the first and the last, as a fraction of a step."""
 EVERY_S = 5.0
@@ -392,13 +290,81 @@ class SizingRequest:
     def winds(self, case: Case) -> dict[str, WindOf]:
         """Return the winds by name: histories, or functions from a vehicle to its wind (`WindOf`).
 
+        Of a sounding it is the wind angle of attack [rad] over flight time, in the plane of the
+        case, or in both.
+
         Raises
         ------
         InputError
             Same exceptions as `fly_through`, with the name of the sounding; also for the sign of a
             pulse with a direction.
         """
-        return self._flight_winds(case).by_name
+        pulses, gust, speed = self.pulses(case), self._gust(case), self.peak_speed
+        if case.sign in SIGNS and any(pulse.heading is not None for pulse in pulses):
+            raise errors.InputError(
+                "a wind with a direction is a head or a tail wind by that: leave sign"
+            )
+        on_top = "" if gust is None else f", {gust_words(gust)}"
+        winds: dict[str, WindOf] = {}
+        for pulse in pulses:
+            strength = f"{np.degrees(pulse.peak):.6g} deg" if speed is None else f"{speed:g} m/s"
+            name = f"{pulse.shape} wind of {strength}, {pulse.duration:g} s{on_top}"
+            winds[name] = partial(self._encountered, case, pulse)
+        for name, sounding in self.soundings.items():
+            with errors.naming(name):
+                winds[f"{name}{on_top}"] = fly_through(
+                    sounding.profile,
+                    self.schedule,
+                    azimuth=sounding.azimuth,
+                    plane=case.planes,
+                    window=self.window,
+                    gust=gust,
+                    pressure=case.sign != FROZEN,
+                    bias=sounding.bias,
+                )
+        return winds
+
+    def _gust(self, case: Case) -> GustOf | None:
+        """Return the gust of a case [rad] over time, None without one.
+
+        By a gust speed it is a function from a vehicle to its gust.
+        """
+        gust: GustOf | None = getattr(case.wind, "gust", None)
+        if self.gust_speed is None or not isinstance(gust, History):
+            return gust
+        return GustOfSpeed(gust, self.gust_speed, case.planes)
+
+    def _case_of(self, case: Case, pulse: ShapedWind, vehicle: Vehicle) -> Case:
+        """Return the case of a vehicle in a pulse, whose speeds become angles for this vehicle.
+
+        `case`: model, plane, nozzle, autopilot and sign of the result.
+        """
+        if self.peak_speed is not None:
+            pulse = pulse.with_speed(self.peak_speed, vehicle, case.plane)
+        if self.gust_speed is not None:
+            pulse = pulse.with_gust_speed(self.gust_speed, vehicle, case.plane)
+        return Case(
+            vehicle=vehicle,
+            model=case.model,
+            plane=case.plane,
+            wind=pulse,
+            nozzle=case.nozzle,
+            design=case.design,
+            sign=case.sign,
+        )
+
+    def _encountered(self, case: Case, pulse: ShapedWind, vehicle: Vehicle) -> History | PlaneWind:
+        """Return the wind angle [rad] of a vehicle in a pulse, in the plane of a case or in both.
+
+        A gust is at the worst time for the largest K. `NotKnownError` beyond linear aerodynamics.
+        """
+        placed = self._case_of(case, pulse, vehicle).wind_at(float(max(self.dead_bands)))
+        checked_linear(placed.max_angle)
+        attitude = float(np.asarray(vehicle.attitude))
+        if case.planes != BOTH:
+            return placed.in_plane(case.plane, attitude).history({})  # nothing is dispersed
+        peaks = placed.peaks(attitude)  # the angle in each plane [rad]
+        return PlaneWind(**{plane: component_in(placed, peaks, plane) for plane in PLANES})
 
     def at(self, case: Case, time: float, pulse: ShapedWind) -> Case:
         """Return the case of a flight time [s], at the peak of a pulse.
@@ -411,7 +377,7 @@ class SizingRequest:
         errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("pulse", pulse, ShapedWind, "one of pulses")
         vehicle = self.schedule.at(errors.number("time", time, unit="s"))
-        return self._flight_winds(case).case_of(vehicle, pulse)
+        return self._case_of(case, pulse, vehicle)
 
     def sizing(self, case: Case, progress: Callable[[int, int], None] | None = None) -> Sizing:
         """Return required deflections by flight time and wind; same exceptions as `size`.
@@ -523,7 +489,6 @@ class SizingRequest:
         `sizing`: result of `sizing`. `turbulence`: result of `turbulence`; a text, the reason for
         which that is not known, makes the total unknown.
         """
-        errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("sizing", sizing, Sizing, "see sizing()")
         if sizing.winds != tuple(self.winds(case)):
             raise errors.InputError(
@@ -570,7 +535,7 @@ class SizingRequest:
         errors.instance("sizing", sizing, Sizing, "see sizing()")
         if case.nozzle.limit is None or np.all(np.isnan(sizing.required[TRIM])):
             return None
-        gust = self._flight_winds(case).gust
+        gust = self._gust(case)
 
         def peak(vehicle: Vehicle) -> float:
             """Return the peak [rad] of the gust that a vehicle of the flight encounters.
@@ -588,19 +553,6 @@ class SizingRequest:
             gust=[peak(self.schedule.at(t)) for t in sizing.times.tolist()],
             thrust_offset=self.thrust_offset,
             gravity_offset=self.gravity_offset,
-        )
-
-    def _flight_winds(self, case: Case) -> FlightWinds:
-        """Return the winds on the flight of a case, gusts at the worst time for the largest K."""
-        return FlightWinds(
-            case=case,
-            schedule=self.schedule,
-            pulses=self.pulses(case),
-            soundings=self.soundings,
-            peak_speed=self.peak_speed,
-            gust_speed=self.gust_speed,
-            window=self.window,
-            dead_band=float(max(self.dead_bands)),
         )
 
     @property

@@ -44,7 +44,6 @@ from tvclin.requirement.flight.frozen_requirement import (
 from tvclin.requirement.flight.sizing import (
     Sizing,
     beyond_single_pole,
-    doubtful_winds,
     flight_times,
     notes_of,
     slower_modes_message,
@@ -55,7 +54,7 @@ from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Req
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.wind_angles import NominalWind
+from tvclin.winds.wind_angles import NominalWind, linear_notes
 
 
 def two_plane_sizing(
@@ -343,7 +342,11 @@ def size(
     reasons = [[wind[planes[0]].why for wind in row] for row in placed]
     rows = zip(chosen.tolist(), placed, strict=True)
     angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])
-    doubtful = doubtful_winds(dict(zip(named, angles.max(axis=0).tolist(), strict=True)))
+    doubtful = [
+        f"{name}: {note}"
+        for name, angle in zip(named, angles.max(axis=0).tolist(), strict=True)
+        for note in linear_notes(angle)
+    ]
     notes = (*wind_notes, *unknown_wind_notes(sizing, reasons), *doubtful, *notes_of(sizing))
     concurrent = concurrent_trim(schedule, chosen, named, placed_as, planes, shape, sizing.known)
     return replace(sizing, concurrent=concurrent, notes=notes)

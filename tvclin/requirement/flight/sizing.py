@@ -19,7 +19,6 @@ from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE
 from tvclin.requirement.plane_requirement import omitted_fraction
 from tvclin.requirement.required_quantity import Requirement, heading_of, requirement_among
 from tvclin.vehicle.coefficients import PLANE_TEXTS
-from tvclin.winds.wind_angles import linear_notes
 
 if TYPE_CHECKING:
     from tvclin.requirement.flight.flight_winds import ConcurrentTrim
@@ -435,38 +434,29 @@ def _repeated_notes(sizing: Sizing) -> Iterator[str]:
             )
 
 
-def unknown_wind_notes(sizing: Sizing, reasons: list[list[str]]) -> list[str]:
-    """Return notes on flight times of a sizing at which winds are not known.
+def unknown_wind_notes(sizing: Sizing, reasons: list[list[str]]) -> Iterator[str]:
+    """Yield notes on flight times of a sizing at which winds are not known.
 
     `reasons`: the reason by flight time and wind, empty for a known wind.
     """
-    notes = []
     for j, wind in enumerate(sizing.winds):
         times = {float(t): row[j] for t, row in zip(sizing.times, reasons, strict=True) if row[j]}
         if times:
-            notes.append(f"{wind} is not known at {flight_times(times)}: {times[min(times)]}")
-    return notes
+            yield f"{wind} is not known at {flight_times(times)}: {times[min(times)]}"
 
 
-def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
-    """Return notes on winds, by name, whose largest angle [rad] is doubtfully linear."""
-    return [f"{wind}: {note}" for wind, angle in angles.items() for note in linear_notes(angle)]
-
-
-def slower_modes_message(times: FloatArray, raised: FloatArray) -> list[str]:
-    """Return a message on flight times [s] at which slower unstable modes raise the minimum.
+def slower_modes_message(times: FloatArray, raised: FloatArray) -> Iterator[str]:
+    """Yield a message on flight times [s] at which slower unstable modes raise the minimum.
 
     They count as those of the vehicle when the wind ends, while the fastest mode follows the
-    flight. `raised`: whether they do by more than 5 percent, by time and wind. Empty without any.
+    flight. `raised`: whether they do by more than 5 percent, by time and wind.
     """
-    at = times[np.any(raised, axis=1)].tolist()
-    if not at:
-        return []
-    return [
-        f"at {flight_times(at)}, parameters varying: slower unstable modes count as those of the"
-        " vehicle when the wind ends; the minimum, and each K with it, may be more than a control"
-        " requires"
-    ]
+    if at := times[np.any(raised, axis=1)].tolist():
+        yield (
+            f"at {flight_times(at)}, parameters varying: slower unstable modes count as those of"
+            " the vehicle when the wind ends; the minimum, and each K with it, may be more than a"
+            " control requires"
+        )
 
 
 def flight_times(times: Collection[float]) -> str:
@@ -479,24 +469,23 @@ def flight_times(times: Collection[float]) -> str:
     )
 
 
-def _unknown_notes(sizing: Sizing) -> list[str]:
-    """Return notes on winds of a sizing that are not known over the entire flight."""
+def _unknown_notes(sizing: Sizing) -> Iterator[str]:
+    """Yield notes on winds of a sizing that are not known over the entire flight."""
     begin, end = sizing.schedule.span
-    altitude, notes = sizing.schedule.altitude_text, []  # altitude in words at a flight time
+    altitude = sizing.schedule.altitude_text  # altitude in words at a flight time
     for wind, (first, last) in zip(sizing.winds, sizing.known_times.tolist(), strict=True):
         limits = [f"from {altitude(first)}"] if begin < first else []
         limits += [f"to {altitude(last)}"] if last < end else []
         if limits:
-            notes.append(
+            yield (
                 f"{wind} is known {' '.join(limits)} only; beyond, the wind is unknown, not"
                 " calm: no flight time there is sized"
             )
-    return notes
 
 
-def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
-    """Return notes on winds of a sizing beyond the single-pole theory."""
-    beyond, notes = sizing.beyond_single_pole, []
+def _beyond_single_pole_notes(sizing: Sizing) -> Iterator[str]:
+    """Yield notes on winds of a sizing beyond the single-pole theory."""
+    beyond = sizing.beyond_single_pole
     consequence = "the minimum counts two poles, and every dead band requires at least as much"
     if sizing.model in ONE_POLE:
         consequence = (
@@ -507,42 +496,40 @@ def _beyond_single_pole_notes(sizing: Sizing) -> list[str]:
             i = int(np.argmax(beyond[:, j]))  # first flight time at which the wind is beyond it
             duration, longest = sizing.ends[i, j] - sizing.begins[i, j], sizing.edge[i]  # [s]
             holds = "no triangle" if np.isnan(longest) else f"triangles up to {longest:.1f} s"
-            notes.append(
+            yield (
                 f"{wind} ({duration:.4g} s at {sizing.times[i]:.6g} s) is beyond the single-pole"
                 f" theory, which holds for {holds}: {consequence}"
             )
-    return notes
 
 
-def _change_notes(sizing: Sizing) -> list[str]:
-    """Return a note on the largest change of beta or B during a wind of a sizing.
+def _change_notes(sizing: Sizing) -> Iterator[str]:
+    """Yield a note on the largest change of beta or B during a wind of a sizing.
 
     beta [1/s] is the unstable pole on a fixed path, B the ratio of trim deflection to angle of
     attack. None for changes that are small, or with varying parameters.
     """
     if sizing.freezing_error or not np.any(sizing.change > STEADY):
-        return []
+        return
     i, j = np.unravel_index(int(np.nanargmax(sizing.change)), sizing.change.shape)
-    return [
+    yield (
         f"beta or B changes by up to {100 * sizing.change[i, j]:.0f} % while {sizing.winds[j]}"
-        " blows"
-        f" (at {sizing.times[i]:.6g} s); frozen parameters are doubtful above {100 * STEADY:.0f} %"
-    ]
+        f" blows (at {sizing.times[i]:.6g} s); frozen parameters are doubtful above"
+        f" {100 * STEADY:.0f} %"
+    )
 
 
-def _uncovered_notes(sizing: Sizing) -> list[str]:
-    """Return a note on winds of a sizing that its flight schedule does not cover."""
-    if np.all(sizing.covered):
-        return []
-    first, last = sizing.schedule.span
-    return [
-        f"winds extend beyond the schedule, {first:.6g} to {last:.6g} s, where parameters are those"
-        " of its nearer end"
-    ]
+def _uncovered_notes(sizing: Sizing) -> Iterator[str]:
+    """Yield a note on winds of a sizing that its flight schedule does not cover."""
+    if not np.all(sizing.covered):
+        first, last = sizing.schedule.span
+        yield (
+            f"winds extend beyond the schedule, {first:.6g} to {last:.6g} s, where parameters are"
+            " those of its nearer end"
+        )
 
 
-def _end_notes(sizing: Sizing) -> list[str]:
-    """Return notes on requirements of a sizing that are largest at its first or last time."""
+def _end_notes(sizing: Sizing) -> Iterator[str]:
+    """Yield notes on requirements of a sizing that are largest at its first or last time."""
     order = np.argsort(sizing.times)
     # varying parameters give a wind that is fixed in flight time a single number, not one by time
     has_fixed = any(np.isfinite(times).any() for times in sizing.arises.values())
@@ -560,7 +547,5 @@ def _end_notes(sizing: Sizing) -> list[str]:
         if values[-1] > (1.0 + _RELATIVE_TOLERANCE) * values[:-1].max():
             ends.setdefault(f"last flight time, {times[-1]:.6g} s; after", []).append(name)
     frozen = "with the vehicle frozen at each flight time, " if has_fixed else ""
-    return [
-        f"{frozen}largest at the {end} it, these may be larger: {'; '.join(names)}"
-        for end, names in ends.items()
-    ]
+    for end, names in ends.items():
+        yield f"{frozen}largest at the {end} it, these may be larger: {'; '.join(names)}"
