@@ -20,6 +20,7 @@ from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.flights.closed_loop.survival_limit import ClosedLoopBoundary
 from tvclin.linear.flexible import AnyPlant
 from tvclin.requirement.case_requirement import CaseRequirement
+from tvclin.requirement.encountered_requirement import largest_measured_pressure, largest_pressure
 from tvclin.requirement.nominal_requirement import covers
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import Vehicle, at_pressure
@@ -134,8 +135,6 @@ def at_largest_pressure(case: AnyCase, need: CaseRequirement | None) -> tuple[An
         if need is not None:
             return at_peak_pressure(case, need), True
 
-        from tvclin.requirement.encountered_requirement import largest_measured_pressure  # late
-
         ratio = largest_measured_pressure(case)  # over the nominal pressure
         if ratio <= 1.0:
             return None, False
@@ -165,8 +164,6 @@ def at_peak_pressure(case: AnyCase, need: CaseRequirement, size: float = 1.0) ->
     this wind. `size`: factor on the wind. `InputError` for a plant in state space, known at nominal
     pressure alone, and where `need` does not know the pressure encountered.
     """
-    from tvclin.requirement.encountered_requirement import largest_pressure  # late, with its engine
-
     vehicle = _complete_vehicle(case)
     if need.unknown:  # a text with the reason
         raise InputError(need.unknown)

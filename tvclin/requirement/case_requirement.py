@@ -13,12 +13,11 @@ from tvclin.base.errors import InputError, NotKnownError, between, number, posit
 from tvclin.base.fields import Field, spec, specs
 from tvclin.base.quantities import NOMINAL, sufficiency
 from tvclin.boundary.limit_shapes import limit_shape_of
-from tvclin.boundary.open_loop import Reason
 from tvclin.case.case import Case
 from tvclin.linear.plant import Plant
+from tvclin.requirement.encountered_requirement import encountered_requirements
 from tvclin.requirement.nominal_requirement import RequiredDeflection, covers, required_deflection
-from tvclin.requirement.plane_requirement import TwoPlaneRequirement, heading_requirement, rectangle
-from tvclin.vehicle.coefficients import PLANES
+from tvclin.requirement.plane_requirement import TwoPlaneRequirement, heading_requirement
 from tvclin.vehicle.linear_vehicle import (
     AnyVehicle,
     LinearVehicle,
@@ -128,6 +127,11 @@ class CaseRequirement:
         return self.case.nozzle.limit_shape is not None
 
     @property
+    def judged_planes(self) -> TwoPlaneRequirement | None:
+        """The requirement of both planes where the verdict is on them together; else None."""
+        return self.planes if self.judges_both_planes else None
+
+    @property
     def history(self) -> History:
         """The wind angle [rad] over time in the plane `plane`, with its gust."""
         return self.wind_in_plane.history({})
@@ -150,8 +154,8 @@ class CaseRequirement:
     @property
     def nominal_deflection(self) -> float:
         """The required deflection [rad] at nominal dynamic pressure, a size."""
-        if self.planes is not None and self.judges_both_planes:
-            return self.planes.deflection
+        if self.judged_planes is not None:
+            return self.judged_planes.deflection
         return abs(float(self.requirement.deflection))
 
     @property
@@ -170,13 +174,9 @@ class CaseRequirement:
     def plane_ratio(self) -> float:
         """Limit of both planes over the limit of this plane; 1 if no other plane is judged.
 
-        The wind's peaks in both planes give it; `planes`: the requirement of both, or None.
+        The wind's peaks in both planes give it.
         """
-        return (
-            self.planes.ratio_to(self.plane)
-            if self.planes is not None and self.judges_both_planes
-            else 1.0
-        )
+        return 1.0 if self.judged_planes is None else self.judged_planes.ratio_to(self.plane)
 
     @property
     def direction(self) -> str:
@@ -251,10 +251,7 @@ class CaseRequirement:
     @property
     def judged_peak(self) -> float:
         """Peak [rad] of the judged wind; for both planes the peak of its vector."""
-        judged = (
-            self.planes if self.planes is not None and self.judges_both_planes else self.history
-        )
-        return float(judged.peak)
+        return float((self.judged_planes or self.history).peak)
 
     @property
     def wind_angle(self) -> float:
@@ -324,8 +321,8 @@ class CaseRequirement:
         """What sets the required deflection, in words: a requirement, or dynamic pressure."""
         if not self.at_nominal_pressure:
             return f"the dynamic pressure in a {self.direction} wind"
-        if self.planes is not None and self.judges_both_planes:
-            return self.planes.governs
+        if self.judged_planes is not None:
+            return self.judged_planes.governs
         return self.requirement.governs
 
 
@@ -410,31 +407,16 @@ def pulse_of(case: Case) -> ShapedWind:
 def _encountered(need: CaseRequirement, size: float = 1.0) -> dict[str, float]:
     """Return required deflections [rad] of a case in `size` times its wind, by direction.
 
-    `need`: requirement of the case at nominal dynamic pressure. Where both planes are judged it is
-    the larger of two limits: that which contains what each plane requires alone, and that of the
-    wind vector at nominal dynamic pressure, raised by the ratio of encountered to nominal pressure
-    in the requirement of the worse plane. Empty where the nominal pressure is to count.
+    `need`: requirement of the case at nominal dynamic pressure. Empty where that is to count.
     """
     if need.sign == FROZEN:
         return {}
-    from tvclin.requirement.encountered_requirement import (
-        encountered_requirements,  # late, with its engine
-    )
-
     directions = encountered_requirements(need.case, need.placed, need.dead_band, size)
-    if not need.judges_both_planes or need.planes is None:
-        return {name: by_plane[need.plane] for name, by_plane in directions.items()}
-    planes, required = need.planes, {}
-    for name, by_plane in directions.items():
-        pitch, yaw = (by_plane.get(plane, 0.0) for plane in PLANES)
-        required[name] = float(rectangle(planes.limit_shape, pitch, yaw))
-        if planes.governs is Reason.BOTH_PLANES:
-            ratios = [
-                x / (size * float(planes.separate[plane])) for plane, x in by_plane.items() if x
-            ]
-            ratio = max(ratios, default=0.0)
-            required[name] = max(required[name], size * planes.deflection * ratio)
-    return required
+    planes = need.judged_planes
+    return {
+        name: by_plane[need.plane] if planes is None else float(planes.encountered(by_plane, size))
+        for name, by_plane in directions.items()
+    }
 
 
 def survived_size(

@@ -350,9 +350,9 @@ class KnownWind(Shown):
         `optimum_deflection` and `optimum_with_rate_limit`.
         """
         best = optimum_deflection(plant, wind, start, horizon)
-        if rate_limit is None:
-            return cls(plant, wind, start, horizon, best)
-        limited = optimum_with_rate_limit(plant, wind, rate_limit, start, horizon)
+        limited = None
+        if rate_limit is not None:
+            limited = optimum_with_rate_limit(plant, wind, rate_limit, start, horizon)
         return cls(plant, wind, start, horizon, best, limited)
 
     @property

@@ -7,7 +7,7 @@ plane, whose dead band is left by the vector, may need more in a wind that turns
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import FloatArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.errors import InputError, plain
 from tvclin.base.fields import derived, spec
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape
@@ -107,11 +107,29 @@ class TwoPlaneRequirement:
     separate: dict[str, Any] = field(metadata=spec("angle"))
 
     @property
+    def vector_governs(self) -> BoolArray:
+        """Whether the vector of both planes requires more than the planes by themselves."""
+        by_planes = rectangle(self.limit_shape, **self.separate)
+        return np.asarray(self.deflection > by_planes * (1.0 + ROUNDING))
+
+    @property
     def governs(self) -> Reason:
         """Reason of the larger requirement, one plane or the vector of both; for one wind."""
-        by_planes = rectangle(self.limit_shape, self.separate["pitch"], self.separate["yaw"])
-        vector = self.deflection > by_planes * (1.0 + ROUNDING)
-        return Reason.BOTH_PLANES if vector else Reason.ONE_PLANE
+        return Reason.BOTH_PLANES if self.vector_governs else Reason.ONE_PLANE
+
+    def encountered(self, separate: Mapping[str, ArrayLike], size: float = 1.0) -> FloatArray:
+        """Return the requirement of both planes [rad] at the dynamic pressure encountered.
+
+        It is the limit that contains what each plane requires alone. Where the vector of both
+        requires more, that is taken to rise from nominal to encountered pressure as the
+        requirement of the plane that rises most. `separate`: required deflection [rad] by plane at
+        the pressure encountered, of planes with wind. `size`: factor on the wind.
+        """
+        combined = rectangle(self.limit_shape, **(dict.fromkeys(PLANES, 0.0) | dict(separate)))
+        with np.errstate(divide="ignore", invalid="ignore"):  # zero where nominal is zero too
+            ratios = [np.nan_to_num(x / (size * self.separate[k])) for k, x in separate.items()]
+        of_vector = size * self.deflection * np.max(ratios, axis=0)
+        return np.where(self.vector_governs, np.maximum(combined, of_vector), combined)
 
     @property
     @derived("angle")

@@ -69,14 +69,13 @@ TRUSTS = "trusts a forecast"
 
 def vehicle_warnings(vehicle: AnyVehicle) -> Iterator[str]:
     """Yield warnings on implausible or unknown numbers of a vehicle."""
-    if isinstance(vehicle, LinearVehicle):
-        if not vehicle.path_known:
-            yield (
-                "the flight path is fixed: the drift with the wind is not known from mu_alpha and"
-                " mu_delta, and a long wind may require more"
-            )
-    else:
+    if not isinstance(vehicle, LinearVehicle):
         yield from warnings_by_number(vehicle)
+    elif not vehicle.path_known:
+        yield (
+            "the flight path is fixed: the drift with the wind is not known from mu_alpha and"
+            " mu_delta, and a long wind may require more"
+        )
 
 
 def uncounted_sign(sign: str | None) -> str:
@@ -519,16 +518,12 @@ class Study(CaseRequirement, Shown):
         They are sizes without sign, ``(k,)`` for each name of a linear model, the keys of
         `boundaries`; NaN in a wind beyond linear aerodynamics.
         """
-        unknown = np.nan if self.beyond_linear else 1.0  # factor on the requirements
-        return {
-            name: unknown
-            * np.abs(
-                required_deflection(
-                    Plant(self.coefficients, name), self.history, self.dead_bands
-                ).deflection
-            )
+        factor = np.nan if self.beyond_linear else 1.0
+        requirements = {
+            name: required_deflection(Plant(self.coefficients, name), self.history, self.dead_bands)
             for name in self.boundaries
         }
+        return {name: factor * np.abs(x.deflection) for name, x in requirements.items()}
 
     @property
     def needs(self) -> dict[str, dict[str, float]]:
@@ -609,11 +604,3 @@ def _unknown(bounds: dict[str, Any]) -> dict[str, Any]:
         for key in ("boundaries", "forecast_free")
     }
     return unknown | {"minima": dict.fromkeys(bounds["minima"], np.nan)}
-
-
-def outlasts_single_pole(study: Study) -> bool:
-    """Return whether the wind of a study is so long that the slow pole requires more deflection.
-
-    That is more than the fast unstable pole requires by itself, as formulas of one pole suppose.
-    """
-    return bool(study.wind.duration > single_pole_validity(study.coefficients))

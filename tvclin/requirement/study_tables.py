@@ -170,13 +170,15 @@ def boundaries(study: Study) -> Table:
 def both_planes(study: Study) -> Table:
     """Return the required deflection of both planes with one limit, and of each plane."""
     assert study.planes is not None
-    rows: list[tuple[Line, ...]] = [
-        (("both planes, one stop",), degrees("planes.required", study.planes.deflection))
-    ]
-    for plane, required in study.planes.separate.items():
-        rows.append(((f"{plane} alone",), degrees(f"planes.{plane}", required)))
+    rows = (
+        (("both planes, one stop",), degrees("planes.required", study.planes.deflection)),
+        *(
+            ((f"{plane} alone",), degrees(f"planes.{plane}", required))
+            for plane, required in study.planes.separate.items()
+        ),
+    )
     caption = f"Required deflection of both planes, K = {study.dead_band:g}, {study.model}"
-    return Table(caption, ("what turns the nozzle", "[deg]"), tuple(rows))
+    return Table(caption, ("what turns the nozzle", "[deg]"), rows)
 
 
 def heading_line(study: Study) -> Line:

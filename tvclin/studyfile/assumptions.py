@@ -11,7 +11,7 @@ from tvclin.boundary.optimum.two_poles import single_pole_validity
 from tvclin.control.margins.bands import BandMargins
 from tvclin.requirement.flight.sizing import STEADY
 from tvclin.requirement.required_quantity import Requirement
-from tvclin.requirement.study import OUTLASTS, nominal_pressure, outlasts_single_pole
+from tvclin.requirement.study import OUTLASTS, nominal_pressure
 from tvclin.studyfile.findings import Findings
 from tvclin.studyfile.questions import questions
 from tvclin.studyfile.verdict import SURVIVES
@@ -172,7 +172,7 @@ def _slow(findings: Findings) -> Iterator[Assumption]:
         return
     tau = significant("validity.duration", float(s.wind.duration), unit="s")
     upto = significant("validity.edge", edge, 3, unit="s")
-    if outlasts_single_pole(s):
+    if s.wind.duration > edge:
         begin = "The slow motion of the flight path counts: the wind lasts "
         end = " up to which it may be neglected; more may be required than the boundary says."
         yield Assumption("doubt", (begin, *tau, ", longer than the ", *upto, end))

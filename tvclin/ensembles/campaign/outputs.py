@@ -21,7 +21,6 @@ from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
 from tvclin.base.quantities import REQUIRED as REQUIRED_DEFLECTION
 from tvclin.boundary.forecast_free import forecast_free_limit
 from tvclin.boundary.limit_shapes import limit_shape_of
-from tvclin.boundary.open_loop import ROUNDING
 from tvclin.boundary.optimum.minimum_peak import minimum_peaks
 from tvclin.case.flexible_autopilot import with_filters
 from tvclin.control.autopilot.autopilot import Autopilot
@@ -462,22 +461,13 @@ def _required_at(campaign: Campaign, batch: Batch, dead_band: float) -> dict[str
     limit_shape = limit_shape_of(campaign.nozzle.limit_shape or "")
     nominal = two_plane_requirement(batch.plants, batch.vectors, limit_shape, dead_band)
     separate = {
-        plane: _or_nominal(at_encountered(plane), np.abs(nominal.separate[plane]))
+        plane: _or_nominal(at_encountered(plane), nominal.separate[plane])
         for plane in batch.plane_batches
     }
-    # the smallest limit whose shape contains both planes' deflections, of either sign
-    combined = rectangle(limit_shape, separate.get("pitch", 0.0), separate.get("yaw", 0.0))
-    # where the vector of both planes requires more than the planes by themselves, it is taken to
-    # rise from nominal to encountered pressure as that of the plane that rises most
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = [np.nan_to_num(x / np.abs(nominal.separate[k])) for k, x in separate.items()]
-    of_vector = nominal.deflection * np.max(ratios, axis=0)
-    vector = nominal.deflection > rectangle(limit_shape, **nominal.separate) * (1.0 + ROUNDING)
-    combined = np.where(vector, np.maximum(combined, of_vector), combined)
     # a plane without wind has its requirement at nominal pressure
-    separate = {plane: separate.get(plane, nominal.separate[plane]) for plane in PLANES}
-    return {name: combined} | {
-        column: separate[plane] for plane, column in plane_columns(name).items()
+    by_plane = nominal.separate | separate
+    return {name: nominal.encountered(separate)} | {
+        column: by_plane[plane] for plane, column in plane_columns(name).items()
     }
 
 
@@ -517,10 +507,9 @@ def _bound(
     for plane, in_plane in batch.plane_batches.items():
         first = in_plane.first
         bounds[plane] = float(np.abs(plane_bound(first.plant, first.wind)))
-    # A shape with the limit one reaches this far in pitch and in yaw, to either side: the bound of
-    # a plane over its reach is a bound of the limit of the shape.
-    largest = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
-    bound = max(x / limit for x, limit in zip(bounds.values(), largest.tolist(), strict=True))
+    # the bound of a plane over its limit in the shape with the limit one bounds the shape's limit
+    limits = limit_shape.plane_limits.tolist()
+    bound = max(x / limit for x, limit in zip(bounds.values(), limits, strict=True))
     if len(batch.plane_batches) > 1:
         pitch, yaw = (plant.case(0, shape) for plant in batch.plants.values())
         vectors = batch.vectors.case(0, shape)

@@ -44,6 +44,7 @@ from tvclin.requirement.flight.frozen_requirement import (
 from tvclin.requirement.flight.sizing import (
     Sizing,
     beyond_single_pole,
+    doubtful_winds,
     flight_times,
     notes_of,
     slower_modes_message,
@@ -54,7 +55,7 @@ from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Req
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.wind_angles import NominalWind, linear_notes
+from tvclin.winds.wind_angles import NominalWind
 
 
 def two_plane_sizing(
@@ -143,11 +144,11 @@ def _required(
     corners = {
         name: rectangle(limit_shape, pitch.required[name], yaw.required[name]) for name in defined
     }
-    # Largest deflection in pitch and in yaw that the shape with the limit one admits: the
-    # requirement of a plane over it is the limit that contains the requirement of this plane.
-    supports = limit_shape.support(np.array([1.0, 1j, -1.0, -1j])).reshape(2, 2).max(axis=0)
+    # the requirement of a plane over its limit in the shape with the limit one is the limit that
+    # contains the requirement of this plane
+    pitch_limit, yaw_limit = limit_shape.plane_limits
     larger = {
-        name: np.maximum(pitch.required[name] / supports[0], yaw.required[name] / supports[1])
+        name: np.maximum(pitch.required[name] / pitch_limit, yaw.required[name] / yaw_limit)
         for name in defined
     }
     required = dict(corners)
@@ -342,11 +343,7 @@ def size(
     reasons = [[wind[planes[0]].why for wind in row] for row in placed]
     rows = zip(chosen.tolist(), placed, strict=True)
     angles = np.array([[angle_at(wind, t) for wind in row] for t, row in rows])
-    doubtful = [
-        f"{name}: {note}"
-        for name, angle in zip(named, angles.max(axis=0).tolist(), strict=True)
-        for note in linear_notes(angle)
-    ]
+    doubtful = doubtful_winds(dict(zip(named, angles.max(axis=0).tolist(), strict=True)))
     notes = (*wind_notes, *unknown_wind_notes(sizing, reasons), *doubtful, *notes_of(sizing))
     concurrent = concurrent_trim(schedule, chosen, named, placed_as, planes, shape, sizing.known)
     return replace(sizing, concurrent=concurrent, notes=notes)

@@ -19,6 +19,7 @@ from tvclin.linear.plant import DEFAULT_MODEL, ONE_POLE
 from tvclin.requirement.plane_requirement import omitted_fraction
 from tvclin.requirement.required_quantity import Requirement, heading_of, requirement_among
 from tvclin.vehicle.coefficients import PLANE_TEXTS
+from tvclin.winds.wind_angles import linear_notes
 
 if TYPE_CHECKING:
     from tvclin.requirement.flight.flight_winds import ConcurrentTrim
@@ -443,6 +444,11 @@ def unknown_wind_notes(sizing: Sizing, reasons: list[list[str]]) -> Iterator[str
         times = {float(t): row[j] for t, row in zip(sizing.times, reasons, strict=True) if row[j]}
         if times:
             yield f"{wind} is not known at {flight_times(times)}: {times[min(times)]}"
+
+
+def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
+    """Return notes on winds, by name, whose largest angle [rad] is doubtfully linear."""
+    return [f"{wind}: {note}" for wind, angle in angles.items() for note in linear_notes(angle)]
 
 
 def slower_modes_message(times: FloatArray, raised: FloatArray) -> Iterator[str]:

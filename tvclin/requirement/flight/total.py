@@ -104,19 +104,18 @@ class DeflectionTotal(Shown):
 
     def __post_init__(self) -> None:
         """Check the fields; `InputError` for numbers out of range, and other types."""
-        object.__setattr__(self, "lines", errors.each("lines", self.lines, Line, "of a total"))
-        object.__setattr__(
-            self, "not_sized", errors.each("not_sized", self.not_sized, str, "a place")
-        )
+        for name, kind, hint in (
+            ("lines", Line, "of a total"),
+            ("not_sized", str, "a place"),
+            ("listed", float, "flight times [s]"),
+        ):
+            object.__setattr__(self, name, errors.each(name, getattr(self, name), kind, hint))
         checked(self, "reserve", "limit", "time", "rate_limit", "end", "counted")
         if self.reserve >= 1.0:
             raise errors.InputError(
                 f"reserve must be a part of the limit, below 1; got {self.reserve:.6g}"
             )
         errors.instance("needed_rate", self.needed_rate, float, "in rad/s")
-        object.__setattr__(
-            self, "listed", errors.each("listed", self.listed, float, "flight times [s]")
-        )
 
     def _repr_html_(self) -> str:
         return table(total_table(self), self.verdict)
