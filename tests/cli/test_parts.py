@@ -12,7 +12,15 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tests.archives import Balloon, jet, write
 from tests.turns import usual
-from tvclin.case.features import NOTED, OPTIONS, QUESTIONS, REFUSED, omission_notes, table, use_of
+from tvclin.case.features import (
+    NOTED,
+    OPTIONS,
+    QUESTIONS,
+    REFUSED,
+    computing_questions,
+    omission_notes,
+    use_of,
+)
 from tvclin.cli.app import app
 from tvclin.ensembles.campaign.cases import evaluate
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
@@ -398,8 +406,34 @@ def test_every_part_of_a_campaign_is_computed_or_refused(part, campaign):
         assert (campaign(part) != campaign()) == (part != "head wind")
 
 
+def tables() -> str:
+    """Return two tables in Markdown: questions by refused features, rare features by questions.
+
+    A feature is rare that at most four questions compute; it is absent from the first table.
+    """
+    rare = [feature for feature in OPTIONS if len(computing_questions(feature)) <= 4]
+    usual = [feature for feature in OPTIONS if feature not in rare]
+    questions = [
+        (f"`{q}`", ", ".join(f for f in usual if use_of(q, f) == REFUSED)) for q in QUESTIONS
+    ]
+    features = [
+        (
+            f"{feature} (note)" if feature == "structure" else feature,
+            ", ".join(f"`{question}`" for question in computing_questions(feature)),
+        )
+        for feature in rare
+    ]
+    return "\n\n".join(
+        "\n".join(f"| {' | '.join(row)} |" for row in [headings, ("---", "---"), *rows])
+        for headings, rows in (
+            (("question", "does not compute"), [row for row in questions if row[1]]),
+            (("feature", "computed only by"), features),
+        )
+    )
+
+
 def test_the_conventions_print_the_table():
-    assert table() in (PAGES / "conventions.md").read_text()
+    assert tables() in (PAGES / "conventions.md").read_text()
 
 
 def test_the_page_answers_what_the_study_does():

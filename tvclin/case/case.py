@@ -305,19 +305,15 @@ class Case:
     @property
     def hardware(self) -> dict[str, Any]:
         """Actuator, rate limit [rad/s], delay [s] and sample rate [Hz] of flights, by name."""
-        design, rate = self.autopilot_design, self.nozzle.rate_limit
+        design, rate_limit = self.autopilot_design, self.nozzle.rate_limit
+        period = None if self.controller is None else self.controller.period  # [s]
+        controller_rate = None if period is None else 1.0 / float(period)
         return {
             "actuator": self.nozzle.actuator,
-            "rate_limit": np.inf if rate is None else rate,
+            "rate_limit": np.inf if rate_limit is None else rate_limit,
             "delay": design.delay,
-            "sample_rate": design.sample_rate or self._controller_rate or FLIGHT_SAMPLE_RATE_HZ,
+            "sample_rate": design.sample_rate or controller_rate or FLIGHT_SAMPLE_RATE_HZ,
         }
-
-    @property
-    def _controller_rate(self) -> float | None:
-        """Sample rate [Hz] of a controller in steps; None without one."""
-        period = None if self.controller is None else self.controller.period
-        return None if period is None else 1.0 / float(period)
 
     @property
     def autopilot_design(self) -> AutopilotDesign:

@@ -11,7 +11,6 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from typing import Any
 
-from tvclin.base.errors import one_of
 from tvclin.base.lines import listed
 from tvclin.case.case import Case
 from tvclin.case.nozzle import USUAL_ACTUATOR
@@ -129,10 +128,7 @@ def use_of(question: str, feature: str) -> str:
     """Return the use of a feature of a case by a question: `COMPUTED`, `NOTED` or `REFUSED`.
 
     Computed, it changes the result; noted, a note says that it is omitted; refused, it is an error.
-    `InputError` for an unknown question or feature.
     """
-    one_of("question", question, QUESTIONS)
-    one_of("feature", feature, OPTIONS)
     if feature in _REFUSED[question]:
         return REFUSED
     return NOTED if feature == "structure" and question in _RIGID_NUMBERS else COMPUTED
@@ -261,29 +257,3 @@ def _specified_features(case: Case, omitted: set[str], tables: Collection[str]) 
     return [
         feature for feature, is_specified in tests.items() if feature in omitted and is_specified()
     ]
-
-
-def table() -> str:
-    """Return two tables in Markdown: questions by refused features, rare features by questions.
-
-    A feature is rare that at most four questions compute; it is absent from the first table.
-    """
-    rare = [feature for feature in OPTIONS if len(computing_questions(feature)) <= 4]
-    usual = [feature for feature in OPTIONS if feature not in rare]
-    questions = [
-        (f"`{q}`", ", ".join(f for f in usual if use_of(q, f) == REFUSED)) for q in QUESTIONS
-    ]
-    features = [
-        (
-            f"{feature} (note)" if feature == "structure" else feature,
-            ", ".join(f"`{question}`" for question in computing_questions(feature)),
-        )
-        for feature in rare
-    ]
-    return "\n\n".join(
-        "\n".join(f"| {' | '.join(row)} |" for row in [headings, ("---", "---"), *rows])
-        for headings, rows in (
-            (("question", "does not compute"), [row for row in questions if row[1]]),
-            (("feature", "computed only by"), features),
-        )
-    )

@@ -341,22 +341,16 @@ class LoopInTurbulence(Shown):
         # the largest |mean| + k standard deviations of an output, and its time
         deflection, time = history.largest(k)
         angle_of_attack, _ = history.largest(k, ANGLE_OF_ATTACK)
-        largest_load = None
-        if load is not None:
-            largest_load, _ = history.largest(k, BENDING_MOMENT)
         smooth = DEFLECTION_RATE in history.outputs  # a rate has a variance
-        rate = None
-        if smooth:
-            rate, _ = history.largest(k, DEFLECTION_RATE)
         return cls(
             turbulence=air,
             sigmas=k,
             label=request.label,
             deflection=deflection,
             time=time,
-            deflection_rate=rate,
+            deflection_rate=history.largest(k, DEFLECTION_RATE)[0] if smooth else None,
             angle_of_attack=angle_of_attack,
-            load=largest_load,
+            load=None if load is None else history.largest(k, BENDING_MOMENT)[0],
             load_bound=None if load is None else load.bound,
             deflection_rms=stationary.deflection_rms,
             deflection_rate_rms=stationary.deflection_rate_rms,

@@ -83,11 +83,6 @@ class Quantile(Shown):
             return False if success.upper < self.probability else None
         return above
 
-    @property
-    def converged(self) -> bool:
-        """Whether both bounds lie within one percent of the estimate: more cases change little."""
-        return self.within(0.01)
-
     def within(self, tolerance: float) -> bool:
         """Return whether the bounds differ by at most `tolerance` times the estimate, if finite."""
         if not np.isfinite(self.estimate):  # a lost flight requires an infinite limit

@@ -80,7 +80,9 @@ def parse_study(document: Mapping[str, Any], folder: Path = Path()) -> StudyPlan
         "design": lambda: design_of(document, folder),
         "plant_system": lambda: system_of(document, PLANT_TABLE, folder),
         "controller": lambda: system_of(document, CONTROLLER_TABLE, folder),
-        "criteria": lambda: _criteria_of(document),
+        "criteria": lambda: CRITERIA_TABLE.made(
+            document, lambda keys: _criteria(keys, rigid=is_rigid(document))
+        ),
         "document": lambda: DOCUMENT_TABLE.made(document, Document.from_table),
     }
     if "dispersion" in document:
@@ -130,19 +132,15 @@ def _wind(document: Mapping[str, Any], folder: Path, subject: Mapping[str, Any])
     return wind_for_vehicle(document, wind, subject["vehicle"], plane)
 
 
-def _criteria_of(document: Mapping[str, Any]) -> Criteria | None:
-    """Return the criteria of a document; of a rigid vehicle without criteria of modes."""
-    criteria = CRITERIA_TABLE.made(document, _criteria)
-    if criteria is None or not is_rigid(document):
-        return criteria
-    return criteria.without_mode_limits
+def _criteria(table: dict[str, Any], *, rigid: bool) -> Criteria | None:
+    """Return the criteria of the table [criteria]: a standard set, changed by its numbers.
 
-
-def _criteria(table: dict[str, Any]) -> Criteria:
-    """Return the criteria of the table [criteria]: a standard set, changed by its numbers."""
+    `rigid`: whether the vehicle is rigid; then without criteria of modes, None if none is left.
+    """
     limits = CRITERIA_TABLE.read(table)
     standard = CRITERIA[one_of("name in [criteria]", limits.pop("name", "classic"), CRITERIA)]
-    return standard.with_limits(source="the study file", **limits)
+    criteria = standard.with_limits(source="the study file", **limits)
+    return criteria.without_mode_limits if rigid else criteria
 
 
 def _sizing(document: Mapping[str, Any], folder: Path) -> SizingRequest | None:

@@ -149,7 +149,7 @@ class Availability(Tabled):
 
     def fraction(self) -> Any:
         """Return the fraction of soundings that fly, a `SurvivalFraction`; a tuple by azimuth."""
-        return self._fractions(self.limit, np.ones(len(self.soundings), dtype=bool))
+        return self._fractions(self.limit)
 
     def reaches(self, fraction: float) -> Any:
         """Return whether at least a fraction of the days flies: True, False, or None if not proven.
@@ -159,10 +159,8 @@ class Availability(Tabled):
         for True, and as flown for False.
         """
         fraction = errors.number("fraction", fraction, errors.between(0.0, 1.0))
-        all_soundings = np.ones(len(self.soundings), dtype=bool)
         unknown_lost, unknown_flown = (
-            self._as_tuple(self._fractions(self.limit, all_soundings, unknown))
-            for unknown in (0.0, 1.0)
+            self._as_tuple(self._fractions(self.limit, unknown=verdict)) for verdict in (0.0, 1.0)
         )
         return self._by_azimuth(
             [
@@ -185,11 +183,10 @@ class Availability(Tabled):
         `limits`: deflection limits [rad] instead of the nozzle's, ``(m,)``. For each limit a
         `SurvivalFraction`, or, for several azimuths, a tuple of them.
         """
-        all_soundings = np.ones(len(self.soundings), dtype=bool)
         row = errors.small_angle("a deflection", errors.nonnegative)(
             "limits", scalar_or_row("limits", limits)
         )
-        return tuple(self._fractions(limit, all_soundings) for limit in row.tolist())
+        return tuple(self._fractions(limit) for limit in row.tolist())
 
     def placard(self, fractions: ArrayLike = PLACARD) -> FloatArray:
         """Return the minimum limits [rad] sufficient for fractions of the judged soundings.
@@ -373,13 +370,15 @@ class Availability(Tabled):
         known = ~np.isnan(self.lower)
         return np.where(known & sufficient, 1.0, np.where(known & insufficient, 0.0, np.nan))
 
-    def _fractions(self, limit: float, which: BoolArray, unknown: float = np.nan) -> Any:
+    def _fractions(
+        self, limit: float, which: BoolArray | slice = slice(None), unknown: float = np.nan
+    ) -> Any:
         """Return the `SurvivalFraction` of selected soundings with a limit [rad], by azimuth.
 
-        `which`: whether a sounding is selected, ``(n,)``. `unknown`: verdict that unknown soundings
-        count as: 1 flown, 0 not flown; NaN keeps them out of the fraction. Its confidence interval
-        allows for the autocorrelation of the verdicts, or, where all verdicts are alike, of the
-        lower bounds of the required deflections.
+        `which`: whether a sounding is selected, ``(n,)``; by default all. `unknown`: verdict that
+        unknown soundings count as: 1 flown, 0 not flown; NaN keeps them out of the fraction. Its
+        confidence interval allows for the autocorrelation of the verdicts, or, where all verdicts
+        are alike, of the lower bounds of the required deflections.
         """
         times = self.soundings.times[which]
         # number of the month of each sounding: correlation is sought within a month alone

@@ -210,7 +210,8 @@ def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyA
         for name, values in compute(campaign, selected, case_by_case=case_by_case).items():
             answers[name][which] = values
         if not case_by_case:
-            plants = [in_plane.plant for in_plane in selected.judged_batches]
+            judged = selected.plane_batches.values() or (selected,)  # in both planes, or in one
+            plants = [in_plane.plant for in_plane in judged]
             unstable = [unstable_modes(plant).poles for plant in plants]
             stable = np.all([np.isnan(poles).all(axis=-1) for poles in unstable], axis=0)
             # whether the fastest unstable poles are a pair, in any plane

@@ -189,7 +189,6 @@ def _quiet_tracker() -> None:
 
 
 Progress = Callable[[int, int], None]
-Shard = tuple[int, int]
 
 _MAX_SUBMITTED = 256
 """Largest number of chunks that an executor has at a time."""
@@ -408,7 +407,7 @@ def _finished(
             future.cancel()
 
 
-def _shard(text: str | None) -> Shard:
+def _shard(text: str | None) -> tuple[int, int]:
     """Return the first chunk of a shard, from zero, and the step from chunk to chunk.
 
     `text`: "i/n", i from 1 to n, for every n-th chunk from the i-th on; None for all chunks.

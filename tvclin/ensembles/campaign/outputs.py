@@ -77,11 +77,6 @@ class Batch:
     plane_batches: Mapping[str, Batch] = field(default_factory=dict)
 
     @property
-    def judged_batches(self) -> tuple[Batch, ...]:
-        """The batches of all planes that are judged; this batch where only a single plane is."""
-        return tuple(self.plane_batches.values()) or (self,)
-
-    @property
     def plants(self) -> dict[str, Plant]:
         """The plants by plane, for both planes."""
         model = self.plant.model
@@ -519,18 +514,18 @@ def _bound(
 
 
 _MARGINS = {
-    "margin_aero_dB": "dB",
-    "margin_gain_dB": "dB",
-    "margin_phase_deg": "deg",
-    "margin_delay": "s",
+    "margin_aero_dB": ("aero_margin_dB", "dB"),
+    "margin_gain_dB": ("gain_increase_dB", "dB"),
+    "margin_phase_deg": ("phase_margin_deg", "deg"),
+    "margin_delay": ("delay_margin", "s"),
 }
-"""Units of the margins of a loop by column."""
+"""Margins of a loop by column: attribute of `Margins`, and unit."""
 
 
 def _margin_columns(campaign: Campaign) -> dict[str, str]:
     """Return the units of the columns of margins of a campaign by name."""
     peaks = {f"margin_{mode}_peak_dB": "dB" for mode in _mode_names(campaign)}
-    return {"margin_stable": ""} | _MARGINS | peaks
+    return {"margin_stable": ""} | {k: unit for k, (_, unit) in _MARGINS.items()} | peaks
 
 
 def _mode_names(campaign: Campaign) -> list[str]:
@@ -553,10 +548,7 @@ def _margins(campaign: Campaign, batch: Batch) -> dict[str, Any]:
         margins = loop_margins(autopilot.exact_loop(batch.flying))
     return {
         "margin_stable": np.asarray(margins.stable, dtype=float),
-        "margin_aero_dB": margins.aero_margin_dB,
-        "margin_gain_dB": margins.gain_increase_dB,
-        "margin_phase_deg": margins.phase_margin_deg,
-        "margin_delay": margins.delay_margin,
+        **{column: getattr(margins, name) for column, (name, _unit) in _MARGINS.items()},
         **peaks,
     }
 
