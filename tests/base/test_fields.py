@@ -133,7 +133,7 @@ def test_an_option_is_in_its_own_unit_and_says_so() -> None:
 
 
 def test_a_template_names_the_keys_that_it_leaves_out() -> None:
-    written = completed("# head\n\n[given]\nbands = [1]\n\n[other]\n", TABLE, Request)
+    written = completed("# head\n\n[given]\nbands = [1]\n\n[other]\n", TABLE)
     assert written == (
         "# head\n\n[given]\nbands = [1]\n# also turn_rad: Angle of the turn; as seen from above.\n"
         "# also way: Which way.\n# also from_s: When it begins.\n\n[other]\n"

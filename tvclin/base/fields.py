@@ -506,6 +506,7 @@ def file_table(heading: str, kind: type, names: Iterable[str] = (), **more: Any)
             for item in single
             if item.numeric and (item.kind == "angle" or item.check in _SIGN_CHECKS)
         },
+        record=kind,
     )
 
 
@@ -514,16 +515,19 @@ def _keyed(kind: type) -> list[Field]:
     return [item for item in parameters(kind).values() if item.key is not None]
 
 
-def completed(text: str, table: FileTable, kind: type) -> str:
-    """Return a template whose table names every key of its fields, the others in comments.
+def completed(text: str, table: FileTable) -> str:
+    """Return a template whose table names every key of its record, the others in comments.
 
     A missing key gets a comment with its name and its help below the table. `text`: the template,
-    in which `table` ends with an empty line. `kind`: dataclass of the fields.
+    in which `table` ends with an empty line.
     """
+    assert table.record is not None
     start = text.index(f"\n{table.heading}\n")
     end = text.find("\n\n", start + 1) % len(text)  # not found, -1, is the last line feed
     written = text[start:end]
-    missing = [item for item in _keyed(kind) if not re.search(rf"\b{item.file_key}(_|\b)", written)]
+    missing = [
+        item for item in _keyed(table.record) if not re.search(rf"\b{item.file_key}(_|\b)", written)
+    ]
     # of spellings in several units, such as "x_deg or x_rad", the first
     keys = [table.spelled(item.file_key).split(" or ")[0] for item in missing]
     remarks = [

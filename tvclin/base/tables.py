@@ -27,7 +27,8 @@ class FileTable:
     `heading`: as in a file: ``[vehicle]``, or ``[[dispersion]]`` of a repeated table. `quantities`:
     names of numbers, without unit, and the kind of `UNITS` of each. `words`: keys whose value is
     taken unchanged. `required`: required names of all these. `fields`: results' names in `read`
-    that differ from the file's. `checks`: of numbers, by name, in the unit of the key.
+    that differ from the file's. `checks`: of numbers, by name, in the unit of the key. `record`:
+    dataclass that is made of the table, with the defaults and the help of its keys.
     """
 
     heading: str
@@ -37,6 +38,7 @@ class FileTable:
     required: tuple[str, ...] = ()
     fields: dict[str, str] = field(default_factory=dict)
     checks: dict[str, Callable[..., FloatArray]] = field(default_factory=dict)
+    record: type | None = None
 
     @property
     def name(self) -> str:

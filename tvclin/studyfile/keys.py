@@ -12,57 +12,34 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from tvclin.ascent.nominal_flight import FlightCondition
 from tvclin.ascent.schedule_file import FLIGHT_COLUMNS
 from tvclin.base.fields import help_lines, parameters
 from tvclin.base.lines import Table, listed, words
 from tvclin.base.tables import FileTable
 from tvclin.base.units import UNITS, written
-from tvclin.case.load import LoadBound
-from tvclin.case.nozzle import Nozzle, NozzleData
-from tvclin.case.turbulence import TurbulenceRequest
+from tvclin.case.nozzle import NozzleData
 from tvclin.control.autopilot.design_rules import AutopilotDesign
 from tvclin.control.autopilot.gain_table import COLUMN_PREFIX, FILTER_TABLE, GAIN_COLUMNS
 from tvclin.control.laws.registry import LAWS
-from tvclin.design.standard_trials import WINDS, LawsRequest
-from tvclin.ensembles.availability.availability import AvailabilityRequest
-from tvclin.ensembles.campaign.campaign_plan import OUTPUTS, Campaign
+from tvclin.design.standard_trials import WINDS
+from tvclin.ensembles.campaign.campaign_plan import OUTPUTS
 from tvclin.ensembles.dispersions import Dispersion
-from tvclin.requirement.flight.request import SizingRequest
 from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES
-from tvclin.studyfile.study_plan import Document, StudyPlan
-from tvclin.vehicle.structure import BendingMode, Engine, SloshTank, Structure
+from tvclin.vehicle.structure import Structure
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.shaped import ShapedWind
-from tvclin.winds.soundings.sounding_files import SoundingReading
 from tvclin.winds.wind_file import SOUNDING_TABLE
 
-_RECORDS: dict[str, tuple[type, ...]] = {
-    "document": (Document,),
-    "study": (StudyPlan,),
-    "wind": (ShapedWind,),
-    "gust": (ShapedWind,),
-    "nozzle": (Nozzle, NozzleData),
-    "load": (LoadBound,),
-    "turbulence": (TurbulenceRequest,),
-    "question": (Campaign,),
-    "laws": (LawsRequest,),
-    "autopilot": (AutopilotDesign,),
-    "size": (SizingRequest,),
-    "sounding": (SoundingReading,),
-    "availability": (AvailabilityRequest,),
-    "campaign": (Campaign,),
-    "outputs": (Campaign,),
-    "dispersion": (Dispersion,),
-    "vehicle": (Vehicle,),
-    "flight": (FlightCondition,),
-    "structure": (Structure,),
-    "engine": (Engine,),
-    "bending": (BendingMode,),
-    "slosh": (SloshTank,),
-    "gains": (AutopilotDesign,),
+_RECORDS = {
+    "wind": ShapedWind,
+    "gust": ShapedWind,
+    "nozzle": NozzleData,
+    "dispersion": Dispersion,
+    "vehicle": Vehicle,
+    "structure": Structure,
+    "gains": AutopilotDesign,
 }
-"""Records that the tables make, whose docstrings have the lines of help."""
+"""Records with help on keys, by table, besides `FileTable.record`."""
 _HELP = {
     "study.vehicle": "A vehicle of the package, or a vehicle file beside this one.",
     "study.rigid": "Whether the structure of the vehicle is omitted: true or false.",
@@ -296,7 +273,7 @@ def _keys(name: str, table: FileTable) -> Iterator[Key]:
     """
     helps: dict[str, str] = {}
     specified: dict[str, Any] = {}
-    for record in _RECORDS.get(name, ()):
+    for record in filter(None, (table.record, _RECORDS.get(name))):
         for kind in reversed(record.__mro__):
             helps |= help_lines(kind)
         specified |= parameters(record)

@@ -18,7 +18,6 @@ import numpy as np
 from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.fields import completed
 from tvclin.base.files import EditedSource, called, tables_of
-from tvclin.base.tables import FileTable
 from tvclin.case.case import DEFAULT_WIND
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
@@ -262,19 +261,13 @@ def _is_study(source: str | PathLike[str]) -> bool:
 
 def example() -> str:
     """Return the study file of the package, which is commented and names every declared key."""
-    from tvclin.case.nozzle import NOZZLE_TABLE, Nozzle
-    from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE, AutopilotDesign
-    from tvclin.requirement.flight.request import SIZE_TABLE, SizingRequest
+    from tvclin.case.nozzle import NOZZLE_TABLE
+    from tvclin.control.autopilot.design_rules import AUTOPILOT_TABLE
+    from tvclin.requirement.flight.request import SIZE_TABLE
 
-    folder = files("tvclin.studyfile")
-    text = folder.joinpath("example.toml").read_text(encoding="utf-8")
-    declared: tuple[tuple[FileTable, type], ...] = (
-        (NOZZLE_TABLE, Nozzle),
-        (AUTOPILOT_TABLE, AutopilotDesign),
-        (SIZE_TABLE, SizingRequest),
-    )
-    for table, type_ in declared:
-        text = completed(text, table, type_)
+    text = files("tvclin.studyfile").joinpath("example.toml").read_text(encoding="utf-8")
+    for table in (NOZZLE_TABLE, AUTOPILOT_TABLE, SIZE_TABLE):
+        text = completed(text, table)
     return text
 
 
