@@ -236,10 +236,7 @@ def flight_duty(
         for done, (i, j, name) in enumerate(pairs, 1):
             time, wind = float(times[i]), winds[name]
             vehicle = request.schedule.at(time)
-            # with its peak at this time; the window is of the placing "flight" alone
-            placed = placed_in_planes(
-                conditions.planes, wind, vehicle, time, placing="peak", window=1.0
-            )
+            placed = placed_in_planes(conditions.planes, wind, vehicle, time)
             # empty where a sounding ends
             reasons = [in_plane.why for in_plane in placed.values() if not in_plane.known]
             if isinstance(wind, MeasuredWind | MeasuredPlanes):

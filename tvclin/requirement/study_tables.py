@@ -86,11 +86,10 @@ def vehicle(
     `source` is the title of a vehicle without a name, `source_values` the numbers as they stand in
     its file, and their units there, by name.
     """
-    vehicle_fields = [
-        item for item in fields_of(study.vehicle) if item.value(study.vehicle) is not None
-    ]
     rows = [
-        (item.title, _in_units(study.vehicle, item, source_values or {})) for item in vehicle_fields
+        (item.title, _in_units(study.vehicle, item, source_values or {}))
+        for item in fields_of(study.vehicle)
+        if item.value(study.vehicle) is not None
     ]
     planes = "pitch and yaw" if study.judges_both_planes else study.plane
     return quantities(f"{study.vehicle.name or source}, {study.model}, {planes}", rows)

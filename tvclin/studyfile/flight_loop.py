@@ -40,7 +40,7 @@ from tvclin.requirement.flight.deflection_use import (
     deflection_use,
     used_around,
 )
-from tvclin.requirement.flight.flight_winds import PEAK, place, place_vector
+from tvclin.requirement.flight.flight_winds import place, place_vector
 from tvclin.requirement.flight.request import SizingRequest
 from tvclin.requirement.flight.sizing import Sizing, flight_times
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST
@@ -356,12 +356,11 @@ class FlightLoop:
             for time in times:
                 vehicle = self.flight.at(time).rigid
                 placed: History | PlaneWind
-                # a wind placed by its peak counts whole: the window of 1 s is not used
                 if self.plan.planes == BOTH:
-                    planes = place_vector(wind, vehicle, time, PEAK, 1.0)
+                    planes = place_vector(wind, vehicle, time)
                     placed = PlaneWind(**{plane: w.in_flight for plane, w in planes.items()})
                 else:
-                    placed = place(wind, vehicle, time, PEAK, 1.0).in_flight
+                    placed = place(wind, vehicle, time).in_flight
                 start = max(float(placed.onset), self.flight.span[0])
                 yield _Wind(name, time, placed, start=start)
 

@@ -36,7 +36,7 @@ from tvclin.flights.closed_loop.fly_many import FlownCases, fly_many
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.requirement.encountered_requirement import encountered_batch, uses_encountered_pressure
-from tvclin.requirement.flight.flight_winds import PEAK, place
+from tvclin.requirement.flight.flight_winds import place
 from tvclin.requirement.nominal_requirement import may_be_zero_or_infinite, required_deflection
 from tvclin.requirement.plane_requirement import (
     VectorRequirement,
@@ -347,8 +347,7 @@ def _winds_along(
             wind_sign = "tail" if float(wind.peak) > 0.0 else "head"
         return [wind_along(flight, wind, plane, wind_sign)]
     time = float(np.asarray(campaign.vehicle.time))
-    # the window, of 1 s here, is not used for a wind placed by its peak
-    placed = place(wind, campaign.vehicle, time, placing=PEAK, window=1.0).in_flight
+    placed = place(wind, campaign.vehicle, time).in_flight  # with its peak at this time
     directions = campaign.directions() or (FROZEN,)
     # in yaw a wind is a cross wind, for which `wind_along` takes no direction
     signs = [name if name == FROZEN or plane == "pitch" else None for name in directions]

@@ -41,7 +41,7 @@ from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
 from tvclin.case.case import Case
 from tvclin.linear.modes import left_eigenvectors
-from tvclin.requirement.case_requirement import case_requirement, pulse_of
+from tvclin.requirement.case_requirement import case_requirement
 from tvclin.requirement.flight.sizing import Sizing
 from tvclin.requirement.required_quantity import Requirement
 from tvclin.time_varying.equations import (
@@ -58,7 +58,7 @@ from tvclin.time_varying.requirements import MAX_BATCH_STEPS, varying_requiremen
 from tvclin.time_varying.steps import step_times
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle import at_pressure
-from tvclin.winds.shaped import ShapedWind, encountered_wind
+from tvclin.winds.shaped import encountered_wind
 from tvclin.winds.wind_angles import EncounteredWind, NominalWind
 
 _STEP_OVER_TIME_CONSTANT = 0.1
@@ -641,9 +641,7 @@ def _winds_along(
     )
     # wind speeds are over the speed of the case's vehicle, that at the flight time of the pulse
     flight = mode.schedule.times, paths, speeds / float(np.asarray(vehicle.velocity))
-    in_plane, winds = case.wind_in_plane_at(K), {}
-    assert isinstance(in_plane, ShapedWind)
-    placed = replace(pulse_of(case), gust_at=in_plane.gust_at)
+    placed, winds = case.wind_at(K), {}
     for direction in case.directions():
         wind = encountered_wind(placed, vehicle, case.plane, direction)
         wind = replace(wind.shift(begins - float(wind.history.onset)), flight=flight)

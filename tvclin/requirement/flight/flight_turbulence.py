@@ -455,8 +455,7 @@ def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _R
     rows: dict[str, list[_PulseRow]] = {}  # by direction, at all flight times
     for time in loop.times.tolist():
         vehicle = schedule.at(time)
-        # the window, of 1 s here, is not used for a wind placed by its peak
-        placed = placed_in_planes((case.plane,), wind, vehicle, time, placing="peak", window=1.0)
+        placed = placed_in_planes((case.plane,), wind, vehicle, time)
         in_plane = placed[case.plane]
         if not in_plane.known or in_plane.calm:
             continue

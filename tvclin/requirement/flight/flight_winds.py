@@ -27,6 +27,8 @@ from tvclin.winds.wind_angles import FROZEN, SIGNS, checked_linear, pressure_rat
 
 PLACINGS = ("peak", "flight")
 PEAK = PLACINGS[0]
+_WINDOW_S = 20.0
+"""Default length of the interval about a flight time in which a wind in flight time counts [s]."""
 
 WindOf = History | PlaneWind | MeasuredPlanes | Callable[[Vehicle], History | PlaneWind]
 """A wind, or a function from a vehicle to its wind, as for a wind speed."""
@@ -88,7 +90,9 @@ def placings(winds: Mapping[str, WindOf], placing: str | Mapping[str, str]) -> d
     return {name: placing.get(name, PEAK) for name in winds}
 
 
-def place(wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float) -> PlacedWind:
+def place(
+    wind: WindOf, vehicle: Vehicle, time: float, placing: str = PEAK, window: float = _WINDOW_S
+) -> PlacedWind:
     """Return a wind placed at a flight time [s] of a vehicle; a measured wind keeps its time.
 
     A measured wind has a gust about that time, if it has one, and is unknown where the sounding
@@ -133,8 +137,8 @@ def placed_in_planes(
     wind: WindOf,
     vehicle: Vehicle,
     time: float,
-    placing: str,
-    window: float,
+    placing: str = PEAK,
+    window: float = _WINDOW_S,
 ) -> dict[str, PlacedWind]:
     """Return a wind placed at a flight time [s], by planes; in both planes its vector is placed.
 
@@ -218,7 +222,7 @@ def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
 
 
 def place_vector(
-    wind: WindOf, vehicle: Vehicle, time: float, placing: str, window: float
+    wind: WindOf, vehicle: Vehicle, time: float, placing: str = PEAK, window: float = _WINDOW_S
 ) -> dict[str, PlacedWind]:
     """Return the components of a wind placed at a flight time [s], by plane.
 
