@@ -56,7 +56,7 @@ from tvclin.linear.plant import DEFAULT_MODEL, flexible_model
 from tvclin.linear.system import LinearSystem
 from tvclin.linear.system_file import read_system
 from tvclin.requirement.flight.request import EVERY_S, SIZE_TABLE
-from tvclin.studyfile.study_plan import DOCUMENT_TABLE, STUDY_TABLE
+from tvclin.studyfile.study_plan import DOCUMENT_TABLE, STUDY_TABLE, named_vehicle
 from tvclin.vehicle.linear_vehicle import AnyVehicle, coefficients_of
 from tvclin.vehicle.vehicle import STANDARD_GRAVITY, Vehicle
 from tvclin.vehicle.vehicle_file import (
@@ -263,8 +263,7 @@ def flight_of(document: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         schedule = _as_specified(schedule_of(table, "[schedule]", folder), document)
         return {"schedule": schedule, "source": "the lists in [schedule]"}
     SOURCE_TABLE.read(table)
-    study, campaign = document.get("study", {}), document.get("campaign", {})
-    vehicle = study.get("vehicle", campaign.get("vehicle"))
+    vehicle = named_vehicle(document)
     source = table.get("source", vehicle)
     if not isinstance(source, str) or not source.isprintable():
         raise InputError(
@@ -322,11 +321,9 @@ def with_flight_data(
     table, time = document.get("schedule"), getattr(vehicle, "time", None)
     if not isinstance(vehicle, Vehicle):
         return same
-    sources = [document.get(name, {}).get("vehicle") for name in ("study", "campaign")]
-    if table is None and not any(
-        isinstance(source, str) and is_schedule(vehicle_source(source, folder))
-        for source in sources
-    ):  # neither the file nor its vehicle has a flight
+    source = named_vehicle(document)
+    named = isinstance(source, str) and is_schedule(vehicle_source(source, folder))
+    if table is None and not named:  # neither the file nor its vehicle has a flight
         return same
     flight = flight_of(document, folder)
     schedule: FlightSchedule = flight["schedule"]

@@ -19,7 +19,7 @@ from tvclin.base.errors import InputError, instance, naming, path
 from tvclin.base.fields import completed
 from tvclin.base.files import EditedSource, called, tables_of
 from tvclin.case.case import DEFAULT_WIND
-from tvclin.studyfile.study_plan import StudyPlan
+from tvclin.studyfile.study_plan import StudyPlan, named_vehicle
 from tvclin.vehicle.linear_vehicle import load_any_vehicle
 from tvclin.vehicle.vehicle_file import COEFFICIENTS, is_schedule, read_vehicle_text, source_tables
 from tvclin.winds.shaped import ShapedWind
@@ -160,22 +160,17 @@ def vehicle_source(source: str | PathLike[str]) -> str | PathLike[str]:
 
     The vehicle stands in [study] or in [campaign]. `InputError` where it is a table of numbers.
     """
-    document, (_text, name) = source_tables(source), read_vehicle_text(source)
-    vehicles = [
-        document[table]["vehicle"]
-        for table in ("study", "campaign")
-        if "vehicle" in document.get(table, {})
-    ]
-    if not vehicles:
+    vehicle, (_text, name) = named_vehicle(source_tables(source)), read_vehicle_text(source)
+    if vehicle is None:
         return source
-    if not isinstance(vehicles[0], str):
+    if not isinstance(vehicle, str):
         raise InputError(
             f"{called(name)} has the numbers of its vehicle, and no flight with them: name a"
             " vehicle file with a table [flight]"
         )
     from tvclin.studyfile import campaign_file
 
-    return campaign_file.vehicle_source(vehicles[0], Path(name).parent)
+    return campaign_file.vehicle_source(vehicle, Path(name).parent)
 
 
 def _flight_of_a_vehicle(
@@ -212,8 +207,7 @@ def _plan_over_flight(source: str | PathLike[str]) -> StudyPlan:
     is a table of numbers, which has no flight, and for a vehicle without [flight].
     """
     document = source_tables(source)
-    tables = [document.get(table, {}) for table in ("study", "campaign")]
-    if any(isinstance(keys.get("vehicle"), dict) for keys in tables):
+    if isinstance(named_vehicle(document), dict):
         raise InputError(
             f"{called(source)} has no flight; add [schedule], see tvclin init --study; at one"
             " time tvclin study answers for a pulse, tvclin fly for a sounding"
@@ -228,7 +222,7 @@ def is_flight(source: str | PathLike[str]) -> bool:
     """
     document = source_tables(source)
     tables = [document.get(table, {}) for table in ("study", "campaign")]
-    if any("time_s" in keys or isinstance(keys.get("vehicle"), dict) for keys in tables):
+    if any("time_s" in keys for keys in tables) or isinstance(named_vehicle(document), dict):
         return False
     return is_schedule(vehicle_source(source))
 

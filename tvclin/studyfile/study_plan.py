@@ -214,6 +214,12 @@ class StudyPlan(Case):
         return Study.of(self, self.dead_band, self.switch)
 
 
+def named_vehicle(document: Mapping[str, Any]) -> Any:
+    """Return the vehicle of [study] or [campaign] in a document: name, path or table; or None."""
+    tables = (document.get(name, {}) for name in ("study", "campaign"))
+    return next((keys["vehicle"] for keys in tables if "vehicle" in keys), None)
+
+
 STUDY_TABLE = file_table(
     "[study]",
     StudyPlan,

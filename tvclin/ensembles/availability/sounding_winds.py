@@ -18,7 +18,7 @@ Between the balloon and the launch a wind grows, or its required deflection does
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -442,9 +442,6 @@ class PolylineWinds:
 
     times: FloatArray
     speeds: dict[str, FloatArray]
-    _samples_by_steps: dict[int, tuple[FloatArray, ...]] = field(
-        default_factory=dict, init=False, repr=False
-    )
 
     def select(self, cases: IndexArray) -> PolylineWinds:
         """Return some of the n winds; `cases`: their indices, in the order of the result."""
@@ -456,20 +453,10 @@ class PolylineWinds:
         Times and winds are at begin, middle and end of steps, ``(n, S, 3)``; the times are ``(1, S,
         3)`` where all winds have the same. The onset of each wind is a real number of steps from
         the first of `ends` on, ``(n,)``. `ends`: begin of the first step and ends of all [s],
-        ``(S + 1,)``. The result is cached for the second plane, whose steps are the same.
-        """
-        if ends.size not in self._samples_by_steps:
-            self._samples_by_steps[ends.size] = self._samples(ends)
-        return self._samples_by_steps[ends.size]
-
-    def _samples(self, ends: FloatArray) -> tuple[FloatArray, ...]:
-        """Return times [s], winds along and across [m/s], ``(n, S, 3)``, and onsets in steps.
-
-        `ends`: begin of the first step and ends of all S steps [s], ``(S + 1,)``. The middle value
-        of a step is from the integral of the wind over it, so that its parabola has the wind's
-        impulse: 1.5 times the mean over the step, less a quarter of the values at both ends. Winds
-        are zero before their first time and after their last; the step in which a wind begins
-        starts at its onset.
+        ``(S + 1,)``. The middle value of a step is from the integral of the wind over it, so that
+        its parabola has the wind's impulse: 1.5 times the mean over the step, less a quarter of the
+        values at both ends. Winds are zero before their first time and after their last; the step
+        in which a wind begins starts at its onset.
         """
         knots, (n, k) = self.times, self.times.shape  # n winds of k - 1 straight lines
         steps, length = ends.size - 1, (ends[-1] - ends[0]) / (ends.size - 1)
