@@ -186,6 +186,30 @@ def required_deflection(
     )
 
 
+@dataclass(frozen=True, eq=False)
+class FrozenRequirement:
+    """Required deflections [rad] of a frozen vehicle in one wind; NaN where one is not defined.
+
+    `trim` is the static trim |B alpha_w,max|; `required` for each dead band, ``(k,)``;
+    `no_forecast` the lower bound of laws without a forecast; `minimum` the minimum peak of appendix
+    C. `messages` say why a requirement is not defined, or not satisfied exactly. `slow_mode` is the
+    ratio y of eq (C8), of the deflections that the slow and the fast mode demand in a plane: from
+    one on the slow mode of the flight path decides.
+    """
+
+    trim: float
+    required: FloatArray
+    no_forecast: float
+    minimum: float
+    messages: tuple[str, ...] = ()
+    slow_mode: float = np.nan
+
+    @classmethod
+    def of_calm(cls, dead_bands: FloatArray, size: float = 0.0) -> Self:
+        """Return the requirements in a calm, all of one `size` [rad]; NaN if it is not known."""
+        return cls(size, np.full(dead_bands.shape, size), no_forecast=size, minimum=size)
+
+
 def may_be_zero_or_infinite(plant: Plant, wind: History, dead_band: float) -> BoolArray:
     """Return whether `required_deflection` may be zero or infinite, ``(...)``, without flights.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from tvclin.base.fields import derived, spec
 from tvclin.boundary.limit_shapes import CircularShape, LimitShape
 from tvclin.boundary.open_loop import ROUNDING, Reason
 from tvclin.linear.plant import Plant
-from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.requirement.nominal_requirement import FrozenRequirement, required_deflection
 from tvclin.vehicle.coefficients import PLANES
 from tvclin.vehicle.vehicle import Vehicle
 from tvclin.winds.plane_wind import PlaneWind
@@ -31,30 +31,14 @@ _MAX_FINITE_RAD = 1e99
 """Deflections [rad] below this are finite; others are infinite or NaN."""
 
 
-@dataclass(frozen=True, eq=False)
-class VectorRequirement:
-    """Requirements of the vector of a wind [rad], in the measure of the stop.
-
-    The measure is the limit of the shape at whose edge a vector of deflections lies, its gauge.
-    `trim` is the largest gauge of -B times the wind, B being the ratio of trim deflection to angle
-    of attack, `required` the limit of `plane_limit` at each
-    dead band, ``(k,)``, `no_forecast` the lower bound of laws without a forecast, and `minimum`
-    the minimum of every control; `notes` say why a number is not defined, or is more than (4b)
-    says.
-    """
-
-    trim: float
-    required: FloatArray
-    no_forecast: float
-    minimum: float
-    notes: tuple[str, ...]
-
-
 def vector_requirements(
     pitch: Plant, yaw: Plant, wind: PlaneWind, limit_shape: LimitShape, dead_bands: FloatArray
-) -> VectorRequirement:
+) -> FrozenRequirement:
     """Return the requirements of a wind vector that ends; zeros and a note where none is defined.
 
+    They are in the measure of the limit shape, the limit at whose edge a vector of deflections
+    lies, its gauge: trim is the largest gauge of -B times the wind, B being the ratio of trim
+    deflection to angle of attack, and the requirement at a dead band the limit of `plane_limit`.
     `pitch`, `yaw`: plant of each plane. `limit_shape`: limit in both planes. `dead_bands`: K,
     ``(k,)``.
     """
@@ -66,17 +50,17 @@ def vector_requirements(
         checked_batch(pitch, wind, limit_shape, yaw)
         limits = two_plane_requirement(pair, limit_shape, dead_bands.tolist(), literal=True)
     except InputError as error:
-        return VectorRequirement(0.0, np.zeros(dead_bands.shape), 0.0, 0.0, (str(error),))
+        return replace(FrozenRequirement.of_calm(dead_bands), messages=(str(error),))
     if isinstance(limit_shape, CircularShape):
         trim = abs(float(pitch.coefficients.B)) * float(wind.peak)
     else:  # the gauge of static trim, -B times the wind angles of both planes, at all times
         trim = float(limit_shape.gauge(pair.moment_driver(pair.times())).max())
-    return VectorRequirement(
+    return FrozenRequirement(
         trim=trim,
         required=np.array([limit.limit for limit in limits]),
         no_forecast=limits[0].bound,  # this and the minimum are the same for all K
         minimum=limits[0].minimum,
-        notes=tuple(dict.fromkeys(note for limit in limits for note in limit.notes)),
+        messages=tuple(dict.fromkeys(note for limit in limits for note in limit.notes)),
     )
 
 

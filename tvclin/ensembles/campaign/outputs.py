@@ -37,9 +37,12 @@ from tvclin.linear.flexible import AnyPlant, FlexiblePlant
 from tvclin.linear.plant import Plant
 from tvclin.requirement.encountered_requirement import encountered_batch, uses_encountered_pressure
 from tvclin.requirement.flight.flight_winds import place
-from tvclin.requirement.nominal_requirement import may_be_zero_or_infinite, required_deflection
+from tvclin.requirement.nominal_requirement import (
+    FrozenRequirement,
+    may_be_zero_or_infinite,
+    required_deflection,
+)
 from tvclin.requirement.plane_requirement import (
-    VectorRequirement,
     rectangle,
     two_plane_requirement,
     vector_requirements,
@@ -483,7 +486,7 @@ def _slow(campaign: Campaign) -> bool:
 def _bound(
     name: str,
     plane_bound: Callable[[Plant, History], Any],
-    vector_bound: Callable[[VectorRequirement], float],
+    vector_bound: Callable[[FrozenRequirement], float],
     campaign: Campaign,
     batch: Batch,
 ) -> dict[str, Any]:

@@ -8,7 +8,6 @@ the same number of pieces are evaluated together.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from tvclin.flights.closed_loop.survival_limit import closed_loop_boundary
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.numerics.pieces import Pieces
-from tvclin.requirement.nominal_requirement import required_deflection
+from tvclin.requirement.nominal_requirement import FrozenRequirement, required_deflection
 from tvclin.winds.histories import History, Piecewise
 
 LAWS = ("bound", "flown")
@@ -32,25 +31,6 @@ _SAMPLE_RATE_HZ = 100.0
 """Sample rate [Hz] of flights of the recoverable-attitude law."""
 _MAX_LIMIT_OVER_TRIM = 4.0
 """Largest limit of these flights over the largest trim deflection."""
-
-
-@dataclass(frozen=True, eq=False)
-class FrozenRequirement:
-    """Required deflections [rad] of a frozen vehicle in one wind; NaN where one is not defined.
-
-    `trim` is the static trim |B alpha_w,max|; `required` for each dead band, ``(k,)``;
-    `no_forecast` the lower bound of laws without a forecast; `minimum` the minimum peak of appendix
-    C; `slow_mode` the ratio y of eq (C8), of the deflections that the slow and the fast mode
-    demand: from one on the slow mode of the flight path decides. `messages` say why a requirement
-    is not defined, or not satisfied exactly.
-    """
-
-    trim: float
-    required: FloatArray
-    no_forecast: float
-    minimum: float
-    slow_mode: float
-    messages: tuple[str, ...]
 
 
 def frozen_requirements(

@@ -36,11 +36,7 @@ from tvclin.requirement.flight.flight_winds import (
     placed_in_planes,
     placings,
 )
-from tvclin.requirement.flight.frozen_requirement import (
-    LAWS,
-    FrozenRequirement,
-    frozen_requirements,
-)
+from tvclin.requirement.flight.frozen_requirement import LAWS, frozen_requirements
 from tvclin.requirement.flight.sizing import (
     Sizing,
     beyond_single_pole,
@@ -50,7 +46,8 @@ from tvclin.requirement.flight.sizing import (
     slower_modes_message,
     unknown_wind_notes,
 )
-from tvclin.requirement.plane_requirement import VectorRequirement, rectangle, vector_requirements
+from tvclin.requirement.nominal_requirement import FrozenRequirement
+from tvclin.requirement.plane_requirement import rectangle, vector_requirements
 from tvclin.requirement.required_quantity import MINIMUM, NO_FORECAST, TRIM, Requirement
 from tvclin.vehicle.coefficients import BOTH, PLANES, Coefficients
 from tvclin.vehicle.vehicle import Vehicle
@@ -82,9 +79,9 @@ def two_plane_sizing(
     arises = {name: _two_plane_arising(pitch, yaw, name) for name in {**pitch.arises, **yaw.arises}}
     required, more = _required(pitch, yaw, needs, limit_shape, arises)
     # a vector without trim is one for which no requirement of both planes is defined
-    refused = [[bool(vector.notes) and not vector.trim for vector in row] for row in needs]
+    refused = [[bool(vector.messages) and not vector.trim for vector in row] for row in needs]
     vector_notes = [
-        vector for i, j in np.argwhere(more | np.array(refused)) for vector in needs[i][j].notes
+        note for i, j in np.argwhere(more | np.array(refused)) for note in needs[i][j].messages
     ]
     messages = (*pitch.said, *yaw.said, *vector_notes)
     # ratio of the deflections that the slow and the fast mode demand: of yaw where the slow one
@@ -127,7 +124,7 @@ def _two_plane_arising(pitch: Sizing, yaw: Sizing, name: Requirement) -> FloatAr
 def _required(
     pitch: Sizing,
     yaw: Sizing,
-    needs: list[list[VectorRequirement]],
+    needs: list[list[FrozenRequirement]],
     limit_shape: LimitShape,
     arises: dict[Requirement, FloatArray],
 ) -> tuple[dict[Requirement, FloatArray], BoolArray]:
@@ -144,23 +141,16 @@ def _required(
     corners = {
         name: rectangle(limit_shape, pitch.required[name], yaw.required[name]) for name in defined
     }
+    vectors, required = _columns(needs, pitch.dead_bands), dict(corners)
     # the requirement of a plane over its limit in the shape with the limit one is the limit that
     # contains the requirement of this plane
     pitch_limit, yaw_limit = limit_shape.plane_limits
-    larger = {
-        name: np.maximum(pitch.required[name] / pitch_limit, yaw.required[name] / yaw_limit)
-        for name in defined
-    }
-    required = dict(corners)
-    required[TRIM] = _larger(larger[TRIM], needs, lambda vector: vector.trim)
-    required[MINIMUM] = _larger(larger[MINIMUM], needs, lambda vector: vector.minimum)
-    if pitch.law == "bound":
-        required[NO_FORECAST] = _larger(
-            larger[NO_FORECAST], needs, lambda vector: vector.no_forecast
-        )
+    for name in (TRIM, MINIMUM, *((NO_FORECAST,) if pitch.law == "bound" else ())):
+        larger = np.maximum(pitch.required[name] / pitch_limit, yaw.required[name] / yaw_limit)
+        required[name] = np.maximum(larger, vectors[name])
     names = [Requirement(dead_band=K) for K in pitch.dead_bands]
-    for k, name in enumerate(names):
-        required[name] = _larger(corners[name], needs, lambda vector, k=k: vector.required[k])
+    for name in names:
+        required[name] = np.maximum(corners[name], vectors[name])
         if (along := replace(name, varying=True)) in corners:
             # with varying parameters the planes' limit is raised as much as with frozen ones
             positive = corners[name] > 0.0
@@ -179,7 +169,7 @@ def _vector(
     wind: dict[str, PlacedWind],
     limit_shape: LimitShape,
     bands: FloatArray,
-) -> VectorRequirement:
+) -> FrozenRequirement:
     """Return the requirements [rad] of the wind vector at a flight time; zeros if a plane is calm.
 
     The wind is then in the other plane alone, whose own requirement counts anyway (`_required`).
@@ -187,22 +177,10 @@ def _vector(
     `limit_shape`: shape of the limit in both planes. `bands`: dead bands K, ``(k,)``.
     """
     if any(placed.calm for placed in wind.values()):
-        return VectorRequirement(
-            trim=0.0, required=np.zeros(bands.shape), no_forecast=0.0, minimum=0.0, notes=()
-        )
+        return FrozenRequirement.of_calm(bands)
     pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
     vector = PlaneWind(**{plane: placed.history for plane, placed in wind.items()})
     return vector_requirements(pitch, yaw, vector, limit_shape, bands)
-
-
-def _larger(by_plane: FloatArray, vectors: list[list[VectorRequirement]], size: Any) -> FloatArray:
-    """Return the larger deflection [rad] of single planes and wind vector, ``(n, m)``; else NaN.
-
-    `by_plane`: deflections of single planes at n times in m winds, ``(n, m)``. `vectors`:
-    requirements of the wind vector, a list for each time. `size`: function that returns one
-    deflection [rad] of such a requirement, as its trim.
-    """
-    return np.asarray(np.maximum(by_plane, [[size(vector) for vector in row] for row in vectors]))
 
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
@@ -459,15 +437,7 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
     )
     for wind in winds:
         if wind.calm:
-            calm = 0.0 if wind.known else np.nan
-            yield FrozenRequirement(
-                trim=calm,
-                required=np.full(bands.shape, calm),
-                no_forecast=calm,
-                minimum=calm,
-                slow_mode=np.nan,
-                messages=(),
-            )
+            yield FrozenRequirement.of_calm(bands, 0.0 if wind.known else np.nan)
         else:
             yield next(requirements)
 
