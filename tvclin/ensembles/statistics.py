@@ -57,31 +57,15 @@ class Quantile(Shown):
         return {f"{name}_deg": float(np.degrees(getattr(self, name))) for name in names}
 
     @property
-    def min_cases(self) -> int:
-        """Size n of the smallest sample that bounds the quantile above, 1 - p^n >= c.
+    def few_cases(self) -> str:
+        """End of a sentence with the number of cases for an upper bound; empty if reached.
 
-        p is the probability of the quantile, and c the confidence of the bound.
+        It is the smallest n with 1 - p^n >= c, p being the probability of the quantile, and c the
+        confidence of the bound.
         """
         sure = 1.0 - self.confidence + _PROBABILITY_TOLERANCE
-        return int(np.ceil(np.log(sure) / np.log(self.probability)))
-
-    @property
-    def few_cases(self) -> str:
-        """End of a sentence with the number of cases for an upper bound; empty if reached."""
-        words = f": cases must be at least {self.min_cases}"
-        return words if self.cases < self.min_cases else ""
-
-    def covered(self, above: bool, success: Success) -> bool | None:
-        """Return whether a limit covers the quantile with its confidence; None where not known.
-
-        `above`: whether the limit is at or above the upper bound. `success`: the probability that
-        the limit is sufficient. A sample too small for an upper bound leaves it unknown, unless the
-        interval of that probability lies below the probability of the quantile.
-        """
-        if np.isfinite(self.estimate) and np.isinf(self.upper):
-            # too small a sample: at most so many of all cases succeed, or nothing is known
-            return False if success.upper < self.probability else None
-        return above
+        min_cases = int(np.ceil(np.log(sure) / np.log(self.probability)))
+        return f": cases must be at least {min_cases}" if self.cases < min_cases else ""
 
     def within(self, tolerance: float) -> bool:
         """Return whether the bounds differ by at most `tolerance` times the estimate, if finite."""
@@ -198,10 +182,14 @@ def covers_quantile(
     for value in (np.inf, 0.0):
         sample = np.where(unknown, value, required)
         quantile = quantile_bound(sample, probability, confidence)
-        # where the sample is too small for an upper bound, a limit is still refused if its
-        # probability of success, by the upper end of its interval, is below `probability`
-        success = success_probability(int(np.sum(covers(limit, sample))), sample.size, confidence)
-        verdicts.add(quantile.covered(bool(covers(limit, quantile.upper)), success))
+        if np.isfinite(quantile.estimate) and np.isinf(quantile.upper):
+            # too small a sample for an upper bound: a limit is still refused if its probability of
+            # success, by the upper end of its interval, is below `probability`
+            sufficient = int(np.sum(covers(limit, sample)))
+            success = success_probability(sufficient, sample.size, confidence)
+            verdicts.add(False if success.upper < probability else None)
+        else:
+            verdicts.add(bool(covers(limit, quantile.upper)))
     return verdicts.pop() if len(verdicts) == 1 else None
 
 

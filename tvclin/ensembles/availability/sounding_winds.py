@@ -289,8 +289,7 @@ class SoundingWinds:
         """Return the winds of soundings, all usable, with the gaps along the path of a flight.
 
         A gap is an interval between two levels further apart than `MAX_LEVEL_DISTANCE`. Both levels
-        that are added at its edges, just inside, have no wind. `offsets`: index of the first level
-        of each sounding, and the number of all.
+        that are added at its edges, just inside, have no wind.
         """
         height, offsets = soundings.height, soundings.offsets
         wide = np.diff(height) > MAX_LEVEL_DISTANCE

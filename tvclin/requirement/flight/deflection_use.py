@@ -223,10 +223,6 @@ class DeflectionUse(Tabled):
         return Columns((Column("time", self.times, "s"),), tuple(columns), {"limit": self.limit})
 
 
-AUTOPILOT = "autopilot"
-"""Label of the autopilot requirement."""
-
-
 def deflection_use(
     sizing: Sizing,
     flown: FlightAlong | ArrayLike,
@@ -269,7 +265,7 @@ def deflection_use(
         )
         if not np.array_equal(requirements.times, sizing.times):
             raise errors.InputError("requirements must be at the flight times of the sizing")
-        required[AUTOPILOT], reasons = requirements.at_times[order], requirements.reasons
+        required["autopilot"], reasons = requirements.at_times[order], requirements.reasons
     if isinstance(flown, FlightAlong):
         used = used_around(flown, times)
     else:

@@ -412,7 +412,14 @@ class SizingRequest:
             air = "nominal" if case.sign == FROZEN else "encountered"
             names = ", ".join(self.soundings)
             note = f"each K, varying counts the {air} dynamic pressure in {names}"
-            result = replace(result, notes=(*result.notes, note), gaps=self._gaps(result.times))
+            # gaps of soundings that the flight times encounter, with a window within half of it
+            half, span = 0.5 * (self.window or 0.0), (float(times.min()), float(times.max()))
+            words = {
+                name: SoundingGaps.of(x.profile, self.schedule).encountered(*span, half)
+                for name, x in self.soundings.items()
+            }
+            gaps = [f"{x}, in a gap of {k} ({cure})" for k, (x, cure) in words.items() if x]
+            result = replace(result, notes=(*result.notes, note), gaps=tuple(gaps))
         pulses = self.pulses(case)
 
         def at(time: float, k: int) -> Case:
@@ -421,16 +428,6 @@ class SizingRequest:
 
         with repeated(result.known.size):  # similar runs: decide between compiled and plain code
             return with_directions(result, len(pulses), at, self._mode(case, result))
-
-    def _gaps(self, times: FloatArray) -> tuple[str, ...]:
-        """Return the gaps of soundings, in words, that flight times [s] encounter.
-
-        With a window they are those within half of it.
-        """
-        half, span = 0.5 * (self.window or 0.0), (float(times.min()), float(times.max()))
-        gaps = {k: SoundingGaps.of(x.profile, self.schedule) for k, x in self.soundings.items()}
-        words = {name: found.encountered(*span, half) for name, found in gaps.items()}
-        return tuple(f"{gap}, in a gap of {k} ({cure})" for k, (gap, cure) in words.items() if gap)
 
     def _mode(self, case: Case, sizing: Sizing) -> FlightMode | None:
         """Return the unstable mode of a case over its schedule and the winds of a sizing.

@@ -87,9 +87,8 @@ def two_plane_sizing(
     # ratio of the deflections that the slow and the fast mode demand: of yaw where the slow one
     # decides there, else of pitch
     slow = np.where(beyond_single_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
-    return Sizing(
-        **{name: getattr(pitch, name) for name in ("schedule", "times", "winds", "dead_bands")},
-        **{name: getattr(pitch, name) for name in ("law", "model", "known_times", "known")},
+    return replace(
+        pitch,
         required=required,
         plane=BOTH,
         begins=np.fmin(pitch.begins, yaw.begins),
@@ -99,7 +98,6 @@ def two_plane_sizing(
         slow_mode=slow,
         edge=np.fmin(pitch.edge, yaw.edge),
         said=tuple(dict.fromkeys(messages)),
-        notes=(),
         separate=parts,
         arises=arises,
         limit_shape=limit_shape,
