@@ -31,8 +31,8 @@ def test_a_row_that_stands_still_is_left_out_and_said(flight) -> None:
 
 def costates(flight, model, times):
     """Return costate of length one and control reach at falling times [s], by LSODA."""
-    end = FlightMode(flight, model, "pitch", flight.span).at(flight.span[1])
-    y, t = np.append(*end), flight.span[1]
+    t = flight.span[1]
+    y = FlightMode(flight, model, "pitch", flight.span).costates_and_reaches(t)[:-1]
 
     def rates(t, y):
         A, inputs = (x.squeeze() for x in flight.plants(t, model, "pitch").matrices()[:2])
@@ -53,7 +53,7 @@ def test_costate_and_reach_are_those_of_the_adjoint_equation(flight, model) -> N
     mode = FlightMode(part, model, "pitch", part.span)
     times = (30.0, 8.0, 4.0)
     for time, exact in zip(times, costates(part, model, times), strict=True):
-        costate, reach = mode.at(time)
+        *costate, reach, _absolute = mode.costates_and_reaches(time)
         assert costate == pytest.approx(exact[:-1], abs=1e-6)
         assert reach == pytest.approx(exact[-1], rel=1e-6)
 
@@ -66,8 +66,8 @@ def test_the_march_along_a_flight_is_of_fourth_order(flight, monkeypatch) -> Non
     errors = []
     for step in (0.4, 0.2, 0.1):
         monkeypatch.setattr(flight_mode, "_STEP_OVER_TIME_CONSTANT", step)
-        costate, reach = FlightMode(part, "drift-exact", "pitch", part.span).at(20.25)
-        errors.append(np.abs(np.append(costate, reach) / exact - 1.0).max())
+        mode = FlightMode(part, "drift-exact", "pitch", part.span)
+        errors.append(np.abs(mode.costates_and_reaches(20.25)[:-1] / exact - 1.0).max())
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 16.0, rtol=1 / 3)
 
 
@@ -76,12 +76,12 @@ def test_constant_parameters_have_the_left_eigenvector_at_all_times(configuratio
     """Over six hundred time constants, in which the costate falls by more than all numbers."""
     constant = tv.FlightSchedule(configuration_i.replace(time=[0.0, 1500.0]))
     mode = FlightMode(constant, "drift-exact", "pitch", constant.span)
-    A, inputs = (x[0] for x in mode.matrices(np.zeros(1)))
+    A, inputs, *_ = constant.plants(0.0, "drift-exact", "pitch").matrices()
     values, rows = eig(A, left=True, right=False)
     row = np.real(rows[:, np.argmax(values)])
     row = row * np.sign(row[1]) / np.linalg.norm(row)
     for time in (0.0, 700.3, 1500.0):
-        costate, reach = mode.at(time)
+        *costate, reach, _absolute = mode.costates_and_reaches(time)
         np.testing.assert_allclose(costate, row, rtol=1e-12, atol=1e-12)
         assert reach == pytest.approx(row @ inputs[:, 0] / values.real.max(), rel=2e-6)
 

@@ -37,16 +37,22 @@ def mode(tmp_path_factory):
     return FlightMode(flight, "drift-exact", "pitch", (-5.0, flight.span[1]))
 
 
+def matrices(mode, time):
+    """Return A, and the columns of deflection and wind, of the vehicle at a time [s]."""
+    time = np.asarray(min(time, mode.last_unstable))
+    return mode.schedule.plants(time, mode.model, mode.plane).matrices()[:2]
+
+
 def moments(mode, times):
     """Return p.b and p.w of the costate of the mode at rising times [s], by scipy."""
     end, breaks = mode.last_unstable, [*mode.schedule.times[::-1], times[0]]
-    A, _ = mode.matrices(np.array(end))
+    A, _ = matrices(mode, end)
     values, vectors = np.linalg.eig(A.T)
     p, of_b, of_w = np.real(vectors[:, np.argmax(np.real(values))]), [], []
     for stop, start in pairwise(breaks):
         inside = times[(times >= start) & (times < stop)][::-1]
         run = solve_ivp(
-            lambda t, p: -mode.matrices(np.array(t))[0].T @ p,
+            lambda t, p: -matrices(mode, t)[0].T @ p,
             (stop, start),
             p,
             method="DOP853",
@@ -55,7 +61,7 @@ def moments(mode, times):
             atol=1e-12,
         )
         p = run.y[:, -1]
-        columns = np.array([mode.matrices(np.array(t))[1] for t in inside])
+        columns = np.array([matrices(mode, t)[1] for t in inside])
         found = np.einsum("in,nij->nj", run.y[:, : inside.size], columns)
         of_b, of_w = [*of_b, *found[:, 0]], [*of_w, *found[:, 1]]
     return np.array(of_b)[::-1], np.array(of_w)[::-1]
@@ -69,7 +75,7 @@ def test_no_control_needs_less_where_the_effect_of_a_deflection_reverses(mode, m
     edges = np.linspace(float(wind.onset), mode.last_unstable, 3001)
     middles = 0.5 * (edges[1:] + edges[:-1])
     of_b, of_w = moments(mode, middles) * np.array(np.diff(edges))
-    final, _ = mode.matrices(np.array(mode.last_unstable))
+    final, _ = matrices(mode, mode.last_unstable)
     assert np.min(of_b) < 0.0 < np.max(of_b)
     need = float(np.sum(of_w * wind(middles)))
     # after the flight the vehicle is frozen: p.b decays with the pole

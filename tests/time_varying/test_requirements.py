@@ -120,7 +120,7 @@ def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> No
     flight = tv.load_schedule("configuration-i")
     mode = FlightMode(flight, model, "pitch", flight.span)
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5).shift(62.0)
-    costate, reach = mode.at(69.5)
+    *costate, reach, _absolute = mode.costates_and_reaches(69.5)
 
     def rates(t, x, delta):
         A, inputs = (
@@ -129,11 +129,11 @@ def test_along_a_flight_the_held_limit_leaves_no_unstable_component(model) -> No
         return A @ x + inputs @ [delta, float(wind(min(t, 69.5 - 1e-9)))]
 
     def component(delta: float) -> float:
-        state = np.zeros(costate.size)
+        state = np.zeros(len(costate))
         for span in ((62.0, 65.75), (65.75, 69.5)):
             options = {"method": "LSODA", "rtol": 1e-10, "atol": 1e-14, "max_step": 0.5}
             state = solve_ivp(rates, span, state, args=(delta,), **options).y[:, -1]
-        return float(costate @ state + reach * delta)
+        return float(np.dot(costate, state) + reach * delta)
 
     free, unit = component(0.0), component(1.0)
     held = abs(free / (free - unit))

@@ -57,8 +57,6 @@ _IN_PLANES = "in both planes it is not computed: that of one plane is without th
 """Reason why the autopilot requirement of both planes is not known."""
 FlownWind: TypeAlias = History | PlaneWind | MeasuredWind | MeasuredPlanes
 """Wind of a flight, in one plane or in both."""
-_MEASURED = MeasuredWind, MeasuredPlanes
-"""Winds of soundings, which are flown through with a gust at each flight time."""
 _MIN_WINDS = 2
 """Smallest number of winds of which a fraction is shown."""
 
@@ -233,25 +231,22 @@ class FlightLoop:
         """Yield the flights through winds, in the order of `cases`, with a deflection limit [rad].
 
         `cases`: winds, each with a direction: head, tail, frozen, or None where the wind has its
-        own. The flights of all pulses are computed together, and of all soundings. A pulse has its
-        time in itself, and its flight goes on until it settles; a measured wind also gets the time
-        [s] of its gust, and its flight ends with the sizing.
+        own. The flights of all pulses are computed together, and of all soundings.
         """
-        for measured, group in groupby(cases, lambda case: isinstance(case[0].wind, _MEASURED)):
+        for _is_pulse, group in groupby(cases, lambda case: case[0].start is not None):
             if self.plan.planes == BOTH:
                 yield from (self._flown_in_planes(*case, limit) for case in group)
                 continue
             plane, flights = self.plan.plane, []
             for case, direction in group:
-                gust_time = case.time if measured else None
                 wind: Any = case.wind  # in one plane
                 flights.append(
                     checked_flight(
                         self.flight,
                         self.sampled[plane],  # the autopilot over the flight, with its samples
-                        wind_along(self.flight, wind, plane, direction, gust_time),
+                        wind_along(self.flight, wind, plane, direction, case.gust_time),
                         start=case.start,
-                        stop=self.request.stop if measured else None,
+                        stop=case.stop,
                         model=self.model,
                         plane=plane,
                     )
@@ -262,23 +257,20 @@ class FlightLoop:
         """Return the flight in both planes through a wind, with a deflection limit [rad].
 
         `case`: wind in both planes. `pressure`: "frozen" for the nominal dynamic pressure; None for
-        that encountered in the wind, whose own direction says it. Gust time and end of the flight
-        [s] are of a measured wind alone: a pulse is placed already, and its flight goes on until it
-        settles.
+        that encountered in the wind, whose own direction says it.
         """
-        measured, wind = isinstance(case.wind, _MEASURED), case.wind
-        assert isinstance(wind, PlaneWind | MeasuredPlanes)
+        assert isinstance(case.wind, PlaneWind | MeasuredPlanes)
         return fly_planes_along(
             self.flight,
             self.sampled,  # the autopilot over the flight by plane, with its samples
-            wind,
+            case.wind,
             deflection_limit=limit,
             rate_limit=self.plan.hardware["rate_limit"],
             limit_shape=self.plan.nozzle.limit_shape or "round",
             sign=pressure,
-            gust_time=case.time if measured else None,
+            gust_time=case.gust_time,
             start=case.start,
-            stop=self.request.stop if measured else None,
+            stop=case.stop,
             model=self.model,
         )
 
@@ -351,7 +343,7 @@ class FlightLoop:
         for name, wind in self.request.winds(self.plan).items():
             if isinstance(wind, MeasuredWind | MeasuredPlanes):
                 for time in [None] if wind.gust is None else times:
-                    yield _Wind(name, time, wind, start=None)
+                    yield _Wind(name, time, wind, gust_time=time, stop=self.request.stop)
                 continue
             for time in times:
                 vehicle = self.flight.at(time).rigid
@@ -411,15 +403,19 @@ def _or_default(value: float | None, default: float) -> float:
 
 
 class _Wind(NamedTuple):
-    """Wind in flight time, its name, the time of its peak or gust [s], and its onset [s].
+    """Wind in flight time, its name, and the time of its peak or gust [s].
 
-    `time` is None for a sounding without a gust, `start` for every sounding.
+    `time` is None for a sounding without a gust. `start`: onset of a pulse [s], which is placed
+    already, and whose flight goes on until it settles. `gust_time`, `stop`: time of the gust [s] of
+    a sounding, and end of the flight [s], that of the sizing.
     """
 
     name: str
     time: float | None
     wind: FlownWind
-    start: float | None
+    start: float | None = None
+    gust_time: float | None = None
+    stop: float | None = None
 
 
 @dataclass(frozen=True)

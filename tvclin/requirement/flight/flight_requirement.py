@@ -96,41 +96,23 @@ class FlightMode:
     plane: str
     span: tuple[float, float]
 
-    def matrices(self, t: Any) -> tuple[FloatArray, FloatArray]:
-        """Return A ``(..., m, m)`` and the columns of deflection and wind ``(..., m, 2)``.
-
-        Of x' = A x + b delta + w alpha_w with m states. `t`: times [s], ``(...)``.
-        """
-        equations = self._equations(t)
-        order = equations.shape[-2]
-        return equations[..., :order], equations[..., order:]
-
     def trim_per_wind(self, t: Any) -> FloatArray:
         """Return B of eq (5) of the report, the ratio of static trim deflection to angle of attack.
 
         `t`: times [s], of the shape of the result. In a wind, alpha = -alpha_w, trim is -B alpha_w.
         """
-        _, inputs = self.matrices(t)
         # -mu_delta and -mu_alpha, in the row of the attitude rate
-        of_deflection, of_wind = inputs[..., 1, 0], inputs[..., 1, 1]
+        of_deflection, of_wind = np.moveaxis(self._equations(t)[..., 1, -2:], -1, 0)
         return np.asarray(of_wind / of_deflection)
 
-    def at(self, t: Any) -> tuple[FloatArray, Any]:
-        """Return the costate p of length one, ``(m,) + t.shape``, and the control reach R.
-
-        The costate belongs to the fastest unstable mode, whose unstable component is p.x. R is the
-        effect on it of a unit deflection constant from t on. `t`: times [s]; those outside the span
-        count as its ends.
-        """
-        *costate, reach, _absolute_reach = self._costates_and_reaches(t)
-        return np.array(costate), reach
-
-    def _costates_and_reaches(self, t: Any) -> FloatArray:
+    def costates_and_reaches(self, t: Any) -> FloatArray:
         """Return costate p, control reach R and absolute reach in rows, ``(m + 2,) + t.shape``.
 
-        p, of m states, and R are those of `at`, R the integral of p.b from t on, b being the
-        deflection's column; the absolute reach is that of ``|p.b|``. All are integrated backwards
-        to `t` [s] from the next of the times of `_march`, as one row for each (`_costates_before`).
+        p, of m states and of length one, belongs to the fastest unstable mode, whose unstable
+        component is p.x. R is the effect on it of a unit deflection constant from t on, the
+        integral of p.b, b being the deflection's column; the absolute reach is that of ``|p.b|``.
+        All are integrated backwards to `t` [s] from the next of the times of `_march`; times
+        outside the span count as its ends.
         """
         times = np.clip(np.asarray(t, dtype=float), *self.span)
         ends, costates = self._march  # times of storage [s], and p with both reaches there
@@ -188,8 +170,8 @@ class FlightMode:
         E_slopes = np.broadcast_to(E_slopes, (inside.size, 2, order, columns))
         nominal = E.reshape(*times.shape, order, columns)
         # at the end of the last step, and at the begin of the first
-        *costate, reach, absolute_reach = self._costates_and_reaches(times[:, -1, 2])
-        *_costate, onset_reach, onset_absolute_reach = self._costates_and_reaches(times[:, 0, 0])
+        *costate, reach, absolute_reach = self.costates_and_reaches(times[:, -1, 2])
+        *_costate, onset_reach, onset_absolute_reach = self.costates_and_reaches(times[:, 0, 0])
         _pole, pair = leading_pole(plants[0])  # whether the fastest unstable poles are a pair
         paired, quick = (
             np.broadcast_to(x, inside.shape).reshape(times.shape)
