@@ -8,7 +8,7 @@ import pytest
 import tvclin as tv
 from tests.flexible import MODE, TANK
 from tvclin.ensembles.campaign.case_replay import replay_case
-from tvclin.ensembles.campaign.cases import draw_case, evaluate
+from tvclin.ensembles.campaign.cases import draw_cases, evaluate
 from tvclin.ensembles.campaign.folder import read, written
 from tvclin.studyfile.campaign_file import parse_campaign
 
@@ -62,7 +62,7 @@ def test_each_case_has_the_margins_and_the_flight_of_its_own_modes():
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     flying = tv.SaturatedLaw(replace(autopilot, actuator=None, delay=0.0))
     for k in range(0, 12, 3):
-        plant = plant_of(draw_case(plan, k).values)
+        plant = plant_of(draw_cases(plan, k, 1).values)
         bands = autopilot.band_margins(plant)
         assert result["margin_stable"][k] == bands.margins.stable
         pairs = {
@@ -166,7 +166,7 @@ def test_margins_of_a_rigid_vehicle_are_an_output_as_well():
     plan = campaign(vehicle=VEHICLE, dispersions=spread, outputs=("margins",))
     result = evaluate(plan, 0, 2)
     autopilot = DESIGN.autopilot(tv.Plant.from_vehicle(VEHICLE, "drift-exact"), NOZZLE.actuator)
-    thrust = float(draw_case(plan, 1).values["thrust"][0])
+    thrust = float(draw_cases(plan, 1, 1).values["thrust"][0])
     plant = tv.Plant.from_vehicle(VEHICLE.replace(thrust=thrust), "drift-exact")
     expected = autopilot.margins(plant).gain_increase_dB
     assert result["margin_gain_dB"][1] == pytest.approx(expected, rel=1e-9)

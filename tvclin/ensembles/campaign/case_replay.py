@@ -13,7 +13,7 @@ from tvclin.base.lines import Row, Table, degrees, quantities, significant
 from tvclin.control.laws.law import Law
 from tvclin.control.laws.registry import AUTOPILOT
 from tvclin.ensembles.campaign.campaign_plan import Campaign
-from tvclin.ensembles.campaign.cases import batch, draw_case, evaluate
+from tvclin.ensembles.campaign.cases import batch, draw_cases, evaluate
 from tvclin.ensembles.campaign.outputs import (
     Batch,
     columns,
@@ -337,7 +337,7 @@ def replay_case(campaign: Campaign, case: int, compiled: bool = False) -> Replay
         )
     with pinned(compiled):
         row = evaluate(campaign, case, 1)
-    drawn = draw_case(campaign, case)
+    drawn = draw_cases(campaign, case, 1)
     planes: dict[str, ReplayedPlane] = {}
     if drawn.possible[0]:
         with suppress(InputError):  # its status says why

@@ -57,22 +57,16 @@ NOT_KNOWN = (BEYOND, ENCOUNTERED_UNKNOWN, UNKNOWN_WIND, UNDECIDED)
 """Statuses of cases that no deflection is known to survive: their requirement is infinite."""
 
 
-def numbers(campaign: Campaign, first: int, count: int) -> FloatArray:
-    """Return the random numbers in (0, 1) of the cases of a campaign, ``(count, parameters)``.
+def draw_cases(campaign: Campaign, first: int, count: int) -> Dispersed:
+    """Return the dispersed values [SI] of cases of a campaign, ``(count,)`` each.
 
     `first`, `count`: number of the first case, and how many.
     """
-    # one for each dispersed parameter, and one that chooses the wind of an ensemble
-    dimension = len(campaign.dispersions.distributions) + (1 if campaign.wind.count else 0)
-    return draw(campaign.seed, first, count, dimension, method=campaign.method, size=campaign.cases)
-
-
-def drawn(campaign: Campaign, rows: FloatArray) -> Dispersed:
-    """Return the dispersed values [SI] of n cases of a campaign, ``(n,)`` each.
-
-    `rows`: random numbers in (0, 1), ``(n, parameters)``.
-    """
     parameters = len(campaign.dispersions.distributions)
+    # a random number for each parameter, and one that chooses the wind of an ensemble
+    dimension = parameters + (1 if campaign.wind.count else 0)
+    method, size = campaign.method, campaign.cases
+    rows = draw(campaign.seed, first, count, dimension, method=method, size=size)
     cases = campaign.dispersions.apply(campaign.nominal, rows[:, :parameters])
     if isinstance(campaign.wind, WindEnsemble):
         cases.values["wind"] = campaign.wind.chosen(rows[:, parameters])  # by the last number
@@ -87,49 +81,26 @@ def evaluate(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
     """
     end = first + count
     batches = [
-        _columns(campaign, at, numbers(campaign, at, min(_MAX_BATCH_CASES, end - at)))
+        _columns(campaign, at, min(_MAX_BATCH_CASES, end - at))
         for at in range(first, end, _MAX_BATCH_CASES)
     ]
     return {k: np.concatenate([columns[k] for columns in batches]) for k in batches[0]}
 
 
-def draw_case(campaign: Campaign, case: int) -> Dispersed:
-    """Return the dispersed values [SI] of a case of a campaign, by its number, ``(1,)`` each."""
-    return drawn(campaign, numbers(campaign, case, 1))
-
-
 def batch(campaign: Campaign, cases: Dispersed) -> Batch:
-    """Return the batch of plants, winds and gains of n cases of a campaign.
+    """Return the batch of plants, winds and gains of n cases, in the plane of a campaign.
 
-    `cases`: dispersed values [SI], ``(n,)`` each, all of possible cases: no mass is negative.
+    It has `plane_batches` for a wind with a heading, which has a component in each plane, if the
+    nozzle has a limit shape, by which both count. `cases`: dispersed values [SI], ``(n,)`` each,
+    all of possible cases: no mass is negative.
     """
+    values, count = cases.values, cases.possible.size
     changes = {
         k: v
-        for k, v in cases.values.items()
+        for k, v in values.items()
         if k not in (*WIND, *GAINS, "wind") and not is_mode_factor(k)  # fields of the vehicle
     }
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
-    return _batch(campaign, vehicle, cases.values, cases.possible.size)
-
-
-def nominal(campaign: Campaign) -> dict[str, float]:
-    """Return the outputs of the nominal case of a campaign [SI], by name; {} for many winds."""
-    if isinstance(campaign.wind, WindEnsemble):
-        return {}
-    batch = _batch(campaign, campaign.vehicle, {}, 1)
-    outputs: dict[str, FloatArray] = {}
-    for case_by_case in (False, True):  # outputs of a whole batch, then of single cases
-        outputs |= compute(campaign, batch, case_by_case=case_by_case)
-    return {name: float(values[0]) for name, values in outputs.items()}
-
-
-def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], count: int) -> Batch:
-    """Return the batch in the plane of a campaign, and within it batches of both planes.
-
-    It has `plane_batches` for a wind with a heading, which has a component in each plane, if the
-    nozzle has a limit shape, by which both count. `vehicle`: dispersed vehicles, a batch ``(n,)``
-    or one. `values`: dispersed values [SI], ``(n,)`` each. `count`: number n of the cases.
-    """
     wind = campaign.wind.history(values)
     angle = np.abs(np.asarray(wind.peak))  # of the whole wind, in whatever plane
     if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
@@ -141,6 +112,17 @@ def _batch(campaign: Campaign, vehicle: Vehicle, values: dict[str, AnyArray], co
     }
     plane_batches = {} if campaign.nozzle.limit_shape is None else batches
     return replace(batches[campaign.plane], plane_batches=plane_batches)
+
+
+def nominal(campaign: Campaign) -> dict[str, float]:
+    """Return the outputs of the nominal case of a campaign [SI], by name; {} for many winds."""
+    if isinstance(campaign.wind, WindEnsemble):
+        return {}
+    nominal_case = batch(campaign, Dispersed({}, np.ones(1, dtype=bool)))
+    outputs: dict[str, FloatArray] = {}
+    for case_by_case in (False, True):  # outputs of a whole batch, then of single cases
+        outputs |= compute(campaign, nominal_case, case_by_case=case_by_case)
+    return {name: float(values[0]) for name, values in outputs.items()}
 
 
 def _plane_batch(
@@ -189,13 +171,9 @@ def _flexible(
     return with_mode_factors(plant, *factors)
 
 
-def _columns(campaign: Campaign, first: int, rows: FloatArray) -> dict[str, AnyArray]:
-    """Return the columns of a batch of n cases of a campaign, ``(n,)`` each.
-
-    They are "case", the dispersed parameters [SI], the outputs and "status". `first`: number of the
-    first case. `rows`: random numbers in (0, 1), ``(n, parameters)``.
-    """
-    cases, count = drawn(campaign, rows), len(rows)
+def _columns(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
+    """Return the columns of a batch of cases of a campaign; same parameters as `evaluate`."""
+    cases = draw_cases(campaign, first, count)
     index = np.arange(first, first + count, dtype=np.int64)
     answers = {name: np.full(count, np.nan) for name in columns(campaign)}
     status = np.where(cases.possible, OK, IMPOSSIBLE).astype(object)
