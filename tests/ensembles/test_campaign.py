@@ -105,7 +105,8 @@ def test_a_sample_below_the_published_size_has_no_upper_bound(p, needed):
     sample = np.arange(needed, dtype=float)
     assert np.isinf(quantile_bound(sample[:-1], p, 0.9).upper)
     assert quantile_bound(sample, p, 0.9).upper == sample[-1]
-    assert quantile_bound([1.0], p, 0.9).min_cases == len(sample)
+    few = quantile_bound([1.0], p, 0.9).few_cases
+    assert few == f": cases must be at least {len(sample)}"
 
 
 def test_success_is_clopper_and_pearson():
