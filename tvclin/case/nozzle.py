@@ -129,11 +129,8 @@ class Nozzle:
     def from_table(cls, table: Mapping[str, Any]) -> Self:
         """Return the nozzle of the table [nozzle] of a file; an actuator of 0 rad/s is none.
 
-        Raises
-        ------
-        InputError
-            For unknown keys of the table, data of the hinge without mass and arm of the engine,
-            and numbers out of range.
+        `InputError` for unknown keys of the table, data of the hinge without mass and arm of the
+        engine, and numbers out of range.
         """
         values = NOZZLE_TABLE.read(table)
         servo = {name: values.pop(name) for name in _ACTUATOR if name in values}

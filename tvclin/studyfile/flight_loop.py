@@ -174,16 +174,12 @@ class FlightLoop:
         A pulse has its peak at each flight time, in the worse of head and tail wind unless the plan
         says one; a sounding is flown through, with its gust at each flight time. The dynamic
         pressure is that encountered in the wind. With a limit shape both planes fly together.
-        `progress` is called with winds done and in total.
+        `progress` is called with winds done and in total. `InputError` without a deflection limit,
+        and as `fly_along` or `fly_planes_along`.
 
         A flight whose status is "lost" diverges. The used deflection [rad] by flight time of the
         sizing is NaN at the times of a wind that is not survived, at all times if that is a
         sounding without a gust, which has no time.
-
-        Raises
-        ------
-        InputError
-            Without a deflection limit, and as `fly_along` or `fly_planes_along`.
         """
         plan = self.plan
         if plan.nozzle.limit is None:

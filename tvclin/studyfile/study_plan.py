@@ -51,10 +51,7 @@ class Document:
     def from_table(cls, table: Mapping[str, Any]) -> Self:
         """Return the head of a page from a table [document]; its date may be one of TOML.
 
-        Raises
-        ------
-        InputError
-            For an unknown key, and a value that is no text.
+        `InputError` for an unknown key, and a value that is no text.
         """
         values = DOCUMENT_TABLE.read(table)
         if isinstance(values.get("date"), date):

@@ -182,10 +182,8 @@ class FlightTurbulence(Shown):
     def quantile_at(self, time: float, output: str = DEFLECTION) -> float:
         """Return `sigmas` standard deviations of an output at a flight time [s]; NaN for none.
 
-        Raises
-        ------
-        InputError
-            For an output other than deflection, deflection_rate and deflection_acceleration.
+        `InputError` for an output other than deflection, deflection_rate and
+        deflection_acceleration.
         """
         if one_of("output", output, _OUTPUTS) not in self.rms:
             return float("nan")

@@ -254,11 +254,7 @@ class SizingRequest:
         """Return flight times [s], ``(n,)``: `start`, `stop`, and one `every` so many seconds.
 
         By default the longest pulse, with its peak at the first or last, lies in the schedule.
-
-        Raises
-        ------
-        InputError
-            For ends not in order, and more than 10000 flight times.
+        `InputError` for ends not in order, and more than 10000 flight times.
         """
         half = 0.5 * max((pulse.duration for pulse in self.pulses(case)), default=0.0)
         first, last = self.schedule.span
@@ -291,13 +287,8 @@ class SizingRequest:
         """Return the winds by name: histories, or functions from a vehicle to its wind (`WindOf`).
 
         Of a sounding it is the wind angle of attack [rad] over flight time, in the plane of the
-        case, or in both.
-
-        Raises
-        ------
-        InputError
-            Same exceptions as `fly_through`, with the name of the sounding; also for the sign of a
-            pulse with a direction.
+        case, or in both. Same exceptions as `fly_through`, with the name of the sounding;
+        `InputError` also for the sign of a pulse with a direction.
         """
         pulses, gust, speed = self.pulses(case), self._gust(case), self.peak_speed
         if case.sign in SIGNS and any(pulse.heading is not None for pulse in pulses):
@@ -369,10 +360,7 @@ class SizingRequest:
     def at(self, case: Case, time: float, pulse: ShapedWind) -> Case:
         """Return the case of a flight time [s], at the peak of a pulse.
 
-        Raises
-        ------
-        InputError
-            For a time outside the schedule, and a wind without a component in the plane.
+        `InputError` for a time outside the schedule, and a wind without a component in the plane.
         """
         errors.instance("case", case, Case, "of a wind and a nozzle")
         errors.instance("pulse", pulse, ShapedWind, "one of pulses")

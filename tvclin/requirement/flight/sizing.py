@@ -225,12 +225,7 @@ class Sizing(Tabled):
     def worst_in(self, wind: str) -> dict[Requirement, Worst]:
         """Return the largest value [rad] of each requirement over the flight, with its time.
 
-        `wind`: name of the wind, one of `winds`.
-
-        Raises
-        ------
-        InputError
-            For an unknown wind.
+        `wind`: name of the wind, one of `winds`; `InputError` for an unknown one.
         """
         return self._largest([self.winds.index(one_of("wind", wind, self.winds))])
 
@@ -251,13 +246,8 @@ class Sizing(Tabled):
     def at_times(self, name: Requirement | str) -> FloatArray:
         """Return a requirement [rad] in the worst wind of each flight time, ``(n,)``.
 
-        `name`: the requirement or its label. Winds in which it is not known do not count; see
-        `not_sized`.
-
-        Raises
-        ------
-        InputError
-            For an unknown name.
+        `name`: the requirement or its label; `InputError` for an unknown one. Winds in which it is
+        not known do not count; see `not_sized`.
         """
         values = self.required[requirement_among("name", name, self.required)]
         with np.errstate(invalid="ignore"):
@@ -267,12 +257,8 @@ class Sizing(Tabled):
         """Return the flight time [s] at which a requirement of each of m winds arises, ``(m,)``.
 
         Of a dead band it arises at its exit, of trim and minimum at the largest trim. NaN for a
-        wind that is not fixed in flight time, but moved to each flight time.
-
-        Raises
-        ------
-        InputError
-            For an unknown name.
+        wind that is not fixed in flight time, but moved to each flight time. Same parameters and
+        exceptions as `at_times`.
         """
         requirement = requirement_among("name", name, self.required)
         return np.asarray(self.arises.get(requirement, np.full(len(self.winds), np.nan)))
@@ -280,12 +266,7 @@ class Sizing(Tabled):
     def not_sized(self, name: Requirement | str) -> tuple[str, ...]:
         """Return the intervals in which a requirement is not known in every wind, in words.
 
-        Last are the `gaps` of soundings.
-
-        Raises
-        ------
-        InputError
-            For an unknown name.
+        Last are the `gaps` of soundings. Same parameters and exceptions as `at_times`.
         """
         requirement = requirement_among("name", name, self.required)
         values = self.required[requirement]
