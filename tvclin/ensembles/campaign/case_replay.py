@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +31,7 @@ from tvclin.linear.deflections import trim_then_hold
 from tvclin.linear.extremes import MAX_SHOWN_ATTITUDE
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.response import attitude_response
+from tvclin.requirement.nominal_requirement import required_deflection
 from tvclin.vehicle.coefficients import BOTH
 
 if TYPE_CHECKING:
@@ -45,12 +46,19 @@ class ReplayedPlane:
     """A case in a plane.
 
     `batch`: its plant and wind. `law`: the law of its flight; None where nothing is flown. `share`:
-    the fraction of the limit that its flight has.
+    the fraction of the limit that its flight has. `dead_band`: K of the required deflection.
     """
 
     batch: Batch
     law: Law | None
     share: float
+    dead_band: float
+
+    @cached_property
+    def required(self) -> float:
+        """Required deflection [rad] at nominal dynamic pressure; its sign opposes the wind."""
+        batch = self.batch
+        return float(required_deflection(batch.plant, batch.wind, self.dead_band).deflection)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,23 +83,13 @@ class Replay:
         """Dead band K of `required` and `response`: the first of the campaign."""
         return self.campaign.dead_bands[0]
 
-    @cached_property
+    @property
     def required(self) -> float:
         """Required deflection [rad] at `dead_band`, at nominal dynamic pressure.
 
         It is in the plane of the campaign; its sign opposes the wind.
         """
-        return self._required("")  # empty: the campaign's plane
-
-    def _required(self, plane: str) -> float:
-        """Return the required deflection [rad] in a plane, signed, at nominal dynamic pressure.
-
-        `plane`: empty for the plane of the campaign.
-        """
-        from tvclin.requirement.nominal_requirement import required_deflection
-
-        batch = self._plane(plane).batch
-        return float(required_deflection(batch.plant, batch.wind, self.dead_band).deflection)
+        return self._plane("").required  # empty: the campaign's plane
 
     def response(
         self, capability: float = 1.0, points: int = 401, plane: str = ""
@@ -104,13 +102,11 @@ class Replay:
         duration. `plane`: pitch or yaw, empty for the campaign's. `InputError` when the case
         is impossible, or requires no deflection.
         """
-        batch = self._plane(plane).batch
-        required = self._required(plane) if plane else self.required
-        if required == 0.0:
+        replayed = self._plane(plane)
+        batch, limit = replayed.batch, capability * replayed.required
+        if replayed.required == 0.0:
             raise InputError(f"case {self.case} requires no deflection")
-        deflection = trim_then_hold(
-            batch.plant, batch.wind, capability * required, self.dead_band, "literal"
-        )
+        deflection = trim_then_hold(batch.plant, batch.wind, limit, self.dead_band, "literal")
         start, end = float(batch.wind.onset), float(batch.wind.end)
         return attitude_response(
             batch.plant, deflection, batch.wind, np.linspace(start, 2.0 * end - start, points)
@@ -212,10 +208,19 @@ class Replay:
         begin with the plane. `response_in`: function from a plane to the response. `names`: names
         of the angles.
         """
-        planes = {plane: _extremes(partial(response_in, plane), names) for plane in self.planes}
-        if len(planes) < 2:
-            return next(iter(planes.values()), {})
-        return {f"{plane}_{k}": v for plane, peaks in planes.items() for k, v in peaks.items()}
+        extremes: dict[str, float] = {}
+        for plane in self.planes:
+            prefix = f"{plane}_" if len(self.planes) > 1 else ""
+            with suppress(InputError):  # no response in this plane
+                response = response_in(plane)
+                # beyond this attitude the linear response has no meaning
+                beyond = np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE
+                end = int(np.argmax(beyond)) if beyond.any() else response.time.size - 1
+                for name in names:
+                    largest = np.abs(response.outputs[name][: end + 1]).max()
+                    extremes[f"{prefix}largest_{name}_deg"] = float(np.degrees(largest))
+                extremes[f"{prefix}until_s"] = float(response.time[end])
+        return extremes
 
     def as_dict(self) -> dict[str, Any]:
         """Return the record as the command line prints it as JSON, with units by name."""
@@ -295,28 +300,6 @@ _UNITS = ("deg", "s", "dB")
 """Units at the end of the names of largest values and margins."""
 
 
-def _extremes(
-    response_of: "Callable[[], TimeResponseData]", names: tuple[str, ...]
-) -> dict[str, float]:
-    """Return the largest values [deg] of outputs of a response, and its end [s], by name.
-
-    `response_of`: function that computes the response; the result is empty if there is none.
-    `names`: outputs, angles in rad. It ends where the attitude exceeds `MAX_SHOWN_ATTITUDE`.
-    """
-    try:
-        response = response_of()
-    except InputError:
-        return {}
-    # beyond this attitude the linear response has no meaning
-    beyond = np.flatnonzero(np.abs(response.outputs["attitude"]) > MAX_SHOWN_ATTITUDE)
-    end = int(beyond[0]) if beyond.size else response.time.size - 1
-    peaks = {
-        f"largest_{name}_deg": float(np.degrees(np.abs(response.outputs[name][: end + 1]).max()))
-        for name in names
-    }
-    return peaks | {"until_s": float(response.time[end])}
-
-
 def _plain(values: dict[str, float]) -> Iterator[Row]:
     """Yield a row for each value, in the unit at the end of its name, as in "until_s"."""
     for name, value in values.items():
@@ -364,6 +347,7 @@ def _planes(campaign: Campaign, batch: Batch) -> dict[str, ReplayedPlane]:
             batch=in_plane.first,
             law=law_of(campaign.plane_campaigns[plane], in_plane) if flies else None,
             share=float(np.ravel(shares.get(plane, 1.0))[0]),
+            dead_band=campaign.dead_bands[0],
         )
         for plane, in_plane in (batch.plane_batches or {campaign.plane: batch}).items()
     }

@@ -266,15 +266,10 @@ class LoopOverFlight:
     @property
     def model(self) -> str:
         """Model of the motion; with a structure "drift-exact" in place of "drift"."""
-        return flexible_model(self._structure, self.case.model)
+        return flexible_model(self.structure, self.case.model)
 
     @property
-    def is_flexible(self) -> bool:
-        """Whether the vehicle has a structure, constant or over the flight."""
-        return self._structure is not None
-
-    @property
-    def _structure(self) -> Structure | StructureSchedule | None:
+    def structure(self) -> Structure | StructureSchedule | None:
         """Structure of the vehicle, over the flight or constant."""
         return self.schedule.structure or self.schedule.vehicle.structure
 
@@ -396,7 +391,7 @@ def flight_turbulence(
         rms=rms,
         winds=tuple(largest),
         history=history,
-        is_flexible=loop.is_flexible,
+        is_flexible=loop.structure is not None,
     )
 
 
