@@ -94,7 +94,7 @@ def batch(campaign: Campaign, cases: Dispersed) -> Batch:
     nozzle has a limit shape, by which both count. `cases`: dispersed values [SI], ``(n,)`` each,
     all of possible cases: no mass is negative.
     """
-    values, count = cases.values, cases.possible.size
+    values = cases.values
     changes = {
         k: v
         for k, v in values.items()
@@ -103,13 +103,27 @@ def batch(campaign: Campaign, cases: Dispersed) -> Batch:
     vehicle = campaign.vehicle.replace(**changes) if changes else campaign.vehicle
     wind = campaign.wind.history(values)
     angle = np.abs(np.asarray(wind.peak))  # of the whole wind, in whatever plane
+
+    def in_plane(of_plane: Campaign, wind_in_plane: History) -> Batch:
+        """Return the batch in the plane of a campaign, in winds [rad] of that plane, ``(n,)``.
+
+        A gain without a dispersed value is nominal.
+        """
+        return Batch(
+            plant=Plant.from_vehicle(vehicle, of_plane.model, of_plane.plane),
+            wind=wind_in_plane,
+            gains={name: values.get(name, value) for name, value in of_plane.gains.items()},
+            count=cases.possible.size,
+            vehicle=vehicle,
+            wind_angle=angle,
+            flexible=_flexible(of_plane, vehicle, values),
+            values=values,
+        )
+
     if not isinstance(campaign.wind, ShapedWind) or campaign.heading is None:
-        return _plane_batch(campaign, vehicle, values, wind, angle, count)
+        return in_plane(campaign, wind)
     winds = campaign.wind.in_planes(values, vehicle.attitude)
-    batches = {
-        plane: _plane_batch(in_plane, vehicle, values, winds[plane], angle, count)
-        for plane, in_plane in campaign.plane_campaigns.items()
-    }
+    batches = {k: in_plane(plan, winds[k]) for k, plan in campaign.plane_campaigns.items()}
     plane_batches = {} if campaign.nozzle.limit_shape is None else batches
     return replace(batches[campaign.plane], plane_batches=plane_batches)
 
@@ -123,33 +137,6 @@ def nominal(campaign: Campaign) -> dict[str, float]:
     for case_by_case in (False, True):  # outputs of a whole batch, then of single cases
         outputs |= compute(campaign, nominal_case, case_by_case=case_by_case)
     return {name: float(values[0]) for name, values in outputs.items()}
-
-
-def _plane_batch(
-    campaign: Campaign,
-    vehicle: Vehicle,
-    values: dict[str, AnyArray],
-    wind: History,
-    wind_angle: FloatArray,
-    count: int,
-) -> Batch:
-    """Return the batch of vehicles in the plane of a campaign, in a wind of that plane.
-
-    `vehicle`, `values`: vehicles and dispersed values [SI] of cases, ``(n,)`` each. `wind`: winds
-    in the plane [rad]. `wind_angle`: sizes of the peaks of the winds in any plane [rad], ``(n,)``.
-    `count`: number n of the cases. A gain without a dispersed value is nominal.
-    """
-    plant = Plant.from_vehicle(vehicle, campaign.model, campaign.plane)
-    return Batch(
-        plant=plant,
-        wind=wind,
-        gains={name: values.get(name, value) for name, value in campaign.gains.items()},
-        count=count,
-        vehicle=vehicle,
-        wind_angle=wind_angle,
-        flexible=_flexible(campaign, vehicle, values),
-        values=values,
-    )
 
 
 def _flexible(

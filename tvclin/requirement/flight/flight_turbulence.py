@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -437,6 +437,10 @@ def _measured(loop: LoopOverFlight, wind: MeasuredWind) -> _Responses:
     return _Responses(covariance=first, means=means, whole=lambda: first)
 
 
+_PulseRow: TypeAlias = tuple[float, float, History, CovarianceHistory]
+"""Flight time [s], q/q_n (dynamic pressure over the nominal one), a pulse, and the response."""
+
+
 def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _Responses]:
     """Return by direction the responses of the loop to a pulse, and its covariance in turbulence.
 
@@ -459,39 +463,29 @@ def _pulses(loop: LoopOverFlight, wind: WindOf, *, signed: bool) -> dict[str, _R
                 float(np.asarray(x.normal_force_slope)) for x in (at_peak, vehicle)
             )
             ratio = at_peak_slope / slope
-            row = _PulseRow(time, ratio, pulse, response=loop.response(time, ratio, pulse))
+            row = time, ratio, pulse, loop.response(time, ratio, pulse)
             rows.setdefault(direction, []).append(row)
     return {direction: _of_pulse(loop, of_times) for direction, of_times in rows.items()}
-
-
-class _PulseRow(NamedTuple):
-    """Pulse at a flight time [s], and the response to it.
-
-    `pressure`: ratio of the dynamic pressure in the pulse to the nominal one.
-    """
-
-    time: float
-    pressure: float
-    pulse: History
-    response: CovarianceHistory
 
 
 def _of_pulse(loop: LoopOverFlight, rows: list[_PulseRow]) -> _Responses:
     """Return the responses of a loop over the flight to a pulse of one direction.
 
-    `rows`: at each flight time the pulse, its q/q_n (dynamic pressure over the nominal one) and
-    the response. The whole flight has these q/q_n, and the pulse with the most nozzle travel.
+    `rows`: by flight time. The whole flight has their dynamic pressures, and the pulse with the
+    most nozzle travel.
     """
-    in_order = sorted(rows, key=lambda row: row.time)
-    times, ratios = [row.time for row in in_order], [row.pressure for row in in_order]
-    pressure = np.interp(loop.schedule.times, times, ratios)  # constant beyond the flight times
+    times, ratios, pulses, responses = zip(*rows, strict=True)
+    order = np.argsort(times)
+    # constant beyond the flight times
+    pressure = np.interp(loop.schedule.times, np.take(times, order), np.take(ratios, order))
     # nozzle travel [rad]; `mean`: deflection over time in the pulse, without turbulence
-    travels = [np.abs(np.diff(row.response.mean())).sum() for row in rows]
-    worst = rows[int(np.argmax(travels))]
+    travels = [np.abs(np.diff(response.mean())).sum() for response in responses]
+    worst = pulses[int(np.argmax(travels))]
+    onsets = [float(pulse.onset) for pulse in pulses]
     return _Responses(
         covariance=loop.along(wind=None, pressure=pressure),
-        means=[(float(row.pulse.onset), row.response) for row in rows],
-        whole=lambda: loop.along(worst.pulse, pressure),
+        means=list(zip(onsets, responses, strict=True)),
+        whole=lambda: loop.along(worst, pressure),
     )
 
 
