@@ -8,7 +8,7 @@ the largest min(trim, demand), except where flights decide (`time_varying`).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -244,28 +244,25 @@ class PlaneMarch:
         trim_per_wind = -acceleration[:, -1] / acceleration[:, -2]
         trim_sign = float(np.sign(trim_per_wind.sum())) * sign
         _limit, limit_time = self._limit(self.stepped(winds).curves(), trim_sign)
-        speed = partial(self._gust_speed, sign, additions, calm)
+        gust_speed = additions.gust_speed
+
+        def speed(angle: FloatArray, at: FloatArray) -> FloatArray:
+            """Return speeds [m/s] of the gust of n winds at k times `at` [s], ``(n, k)``.
+
+            A gust specified by its speed has this speed at its peak, and its shape elsewhere; a
+            gust specified by its angle is the wind that has the angle at each time. `angle`: angles
+            of the gust [rad] at the times, without the sign.
+            """
+            if gust_speed is not None:
+                speeds = sign * gust_speed * angle / float(gust.peak)
+            else:
+                speeds = self.path.speed_of_angle(sign * angle, at, self.plane)
+            return np.where(calm[:, np.newaxis], 0.0, speeds)
+
         return [
             winds.with_gust(gust, self.plane, at, speed)
             for at in (times[np.arange(largest.size), largest], limit_time)
         ]
-
-    def _gust_speed(
-        self, sign: float, additions: Additions, calm: BoolArray, angle: FloatArray, at: FloatArray
-    ) -> FloatArray:
-        """Return speeds [m/s] of the gust of n winds at k times `at` [s], ``(n, k)``.
-
-        A gust specified by its speed has this speed at its peak, and its shape elsewhere; a gust
-        specified by its angle is the wind that has the angle at each time. `sign`: sign of the
-        gust. `additions`: the gust. `calm`: whether the speed of a wind's gust is zero, ``(n,)``.
-        `angle`: angles of the gust [rad] at the times, without the sign.
-        """
-        gust, speed = additions.gust, additions.gust_speed
-        if gust is not None and speed is not None:
-            speeds = sign * speed * angle / float(gust.peak)
-        else:
-            speeds = self.path.speed_of_angle(sign * angle, at, self.plane)
-        return np.where(calm[:, np.newaxis], 0.0, speeds)
 
     def flights(self, winds: PolylineWinds) -> SteppedWinds:
         """Return winds and the calm after them over the finer steps of flights, with the equations.

@@ -15,7 +15,7 @@ import numpy as np
 from tvclin.ascent.measured_wind import unknown_between
 from tvclin.ascent.schedule import FlightSchedule
 from tvclin.ascent.wind_along import WindAlong, wind_along
-from tvclin.base.arrays import BoolArray, FloatArray
+from tvclin.base.arrays import FloatArray
 from tvclin.base.errors import naming
 from tvclin.base.quantities import NO_FORECAST, WIND_KNOWN
 from tvclin.base.quantities import REQUIRED as REQUIRED_DEFLECTION
@@ -277,26 +277,15 @@ def _flown_along(campaign: Campaign, batch: Batch) -> dict[str, Any]:
     fates = _fates(fly_together(flights, np.arange(len(flights)), *limits))
     survived = fates.pop("flight_survived")
     diverged = np.maximum.reduceat(survived == 0.0, starts)
-    known = np.where(
-        _wind_unknown(campaign, campaign.along.span, batch),
-        np.nan,
-        np.minimum.reduceat(survived, starts),
-    )
+    known = np.minimum.reduceat(survived, starts)
+    if isinstance(campaign.wind, SoundingEnsemble):
+        span = campaign.along.span
+        unknown = [bool(unknown_between(wind, *span)) for wind in campaign.wind.soundings]
+        index = batch.values.get("wind", 0)  # of each case's sounding; one sounding if not drawn
+        known = np.where(np.array(unknown)[np.asarray(index, dtype=int)], np.nan, known)
     return {"flight_survived": np.where(diverged, 0.0, known)} | {
         name: np.maximum.reduceat(values, starts) for name, values in fates.items()
     }
-
-
-def _wind_unknown(campaign: Campaign, span: tuple[float, float], batch: Batch) -> BoolArray | bool:
-    """Return whether the soundings of n cases are not known over the whole flight, ``(n,)``.
-
-    `span`: first and last flight time [s]. False for other winds, which are known.
-    """
-    if not isinstance(campaign.wind, SoundingEnsemble):
-        return False
-    unknown = [bool(unknown_between(wind, *span)) for wind in campaign.wind.soundings]
-    index = batch.values.get("wind", 0)  # of the sounding of each case; one sounding if not drawn
-    return np.array(unknown)[np.asarray(index, dtype=int)]
 
 
 def limits_along(campaign: Campaign) -> tuple[float, float]:

@@ -70,9 +70,20 @@ def two_plane_sizing(
     validity: change of the vehicle, coverage of the wind by the schedule, and the two-pole result.
     """
     pitch, yaw = (parts[plane] for plane in PLANES)
-    bands = pitch.dead_bands
+
+    def requirement(vehicle: Vehicle, wind: dict[str, PlacedWind]) -> FrozenRequirement:
+        """Return the requirements [rad] of the wind vector on a vehicle; zeros if a plane is calm.
+
+        The wind is then in the other plane alone, whose own requirement counts anyway.
+        """
+        if any(in_plane.calm for in_plane in wind.values()):
+            return FrozenRequirement.of_calm(pitch.dead_bands)
+        in_pitch, in_yaw = (Plant.from_vehicle(vehicle, pitch.model, plane) for plane in PLANES)
+        vector = PlaneWind(**{plane: in_plane.history for plane, in_plane in wind.items()})
+        return vector_requirements(in_pitch, in_yaw, vector, limit_shape, pitch.dead_bands)
+
     needs = [
-        [counted(_vector(vehicle, pitch.model, wind, limit_shape, bands)) for wind in row]
+        [counted(requirement(vehicle, wind)) for wind in row]
         for vehicle, row in zip(vehicles, placed, strict=True)
     ]
     # flight times [s] at which requirements arise; `more`: where the vector requires more
@@ -159,26 +170,6 @@ def _required(
             largest_ratio = np.nanmax(ratio, axis=0, initial=1.0)
             required[along] = corners[along] * np.where(fixed, largest_ratio, ratio)
     return required, np.any([required[name] > corners[name] for name in names], axis=0)
-
-
-def _vector(
-    vehicle: Vehicle,
-    model: str,
-    wind: dict[str, PlacedWind],
-    limit_shape: LimitShape,
-    bands: FloatArray,
-) -> FrozenRequirement:
-    """Return the requirements [rad] of the wind vector at a flight time; zeros if a plane is calm.
-
-    The wind is then in the other plane alone, whose own requirement counts anyway (`_required`).
-    `vehicle`: frozen at that time. `model`: name of the linear model. `wind`: wind of each plane.
-    `limit_shape`: shape of the limit in both planes. `bands`: dead bands K, ``(k,)``.
-    """
-    if any(placed.calm for placed in wind.values()):
-        return FrozenRequirement.of_calm(bands)
-    pitch, yaw = (Plant.from_vehicle(vehicle, model, plane) for plane in PLANES)
-    vector = PlaneWind(**{plane: placed.history for plane, placed in wind.items()})
-    return vector_requirements(pitch, yaw, vector, limit_shape, bands)
 
 
 WORDS = {"model": MODELS, "plane": (*PLANES, BOTH), "law": LAWS}
