@@ -47,49 +47,41 @@ def frozen_requirements(
     all laws without a forecast, with "flown" the smallest limit that the recoverable-attitude law
     survives with. `two_sided`: of a wind reduced to angles of one sign the entire wind, or None.
     """
+
+    def required_together(cases: list[int]) -> dict[int, tuple[Any, list[str]]]:
+        """Return required deflections [rad], ``(k,)``, and statuses of winds, by their index.
+
+        `cases`: indices of winds with the same number of pieces, which have two signs in none or in
+        all. NaN, and the message, where `InputError` is raised: a batch with a refused wind is
+        computed again, wind by wind.
+        """
+        n, shape = len(cases), (len(cases), dead_bands.size)
+        index = np.repeat(np.arange(n), dead_bands.size)  # each wind with each K, on one axis
+        wind = _stacked([winds[i] for i in cases], index)
+        entire = [history for i in cases if (history := two_sided[i]) is not None]
+        both_signs = _stacked(entire, index) if entire else None
+        plant = plants.cases(np.array(cases)[index], (len(winds),))
+        try:
+            limit = required_deflection(plant, wind, np.tile(dead_bands, n), two_sided=both_signs)
+        except InputError as error:
+            if n == 1:
+                return {cases[0]: (np.nan, [str(error)])}
+            return {i: required_together([i])[i] for i in cases}
+        required = np.abs(np.reshape(limit.deflection, shape))
+        statuses = np.reshape(limit.status, shape).tolist()
+        return {i: (required[row], statuses[row]) for row, i in enumerate(cases)}
+
     groups: dict[Any, list[int]] = {}
     for i, (wind, both_signs) in enumerate(zip(winds, two_sided, strict=True)):
         shapes = [None if x is None else x.pieces.coefficients.shape for x in (wind, both_signs)]
         groups.setdefault(tuple(shapes), []).append(i)
     limits: dict[int, tuple[Any, list[str]]] = {}  # required deflections and statuses, by wind
     for cases in groups.values():
-        limits |= _required_together(plants, winds, dead_bands, two_sided, cases)
+        limits |= required_together(cases)
     for i, wind in enumerate(winds):
         required, statuses = limits[i]
         plant = plants.case(i, (len(winds),))
         yield _with_bounds(plant, wind, dead_bands, law, required, statuses)
-
-
-def _required_together(
-    plants: Plant,
-    winds: Sequence[History],
-    dead_bands: FloatArray,
-    two_sided: Sequence[History | None],
-    cases: list[int],
-) -> dict[int, tuple[Any, list[str]]]:
-    """Return required deflections [rad], ``(k,)``, and statuses of some winds, by their index.
-
-    `plants`: frozen, one for each of n `winds` with the same number of pieces. `dead_bands`: k
-    values of K. `two_sided`: of a wind reduced to angles of one sign the entire wind, or None; for
-    none of the cases or all. `cases`: indices of the winds. NaN, and the message, where
-    `InputError` is raised: a batch with a refused wind is computed again, wind by wind.
-    """
-    n, shape = len(cases), (len(cases), dead_bands.size)
-    index = np.repeat(np.arange(n), dead_bands.size)  # each wind with each dead band, on one axis
-    wind = _stacked([winds[i] for i in cases], index)
-    entire = [history for i in cases if (history := two_sided[i]) is not None]
-    both_signs = _stacked(entire, index) if entire else None
-    plant = plants.cases(np.array(cases)[index], (len(winds),))
-    try:
-        limit = required_deflection(plant, wind, np.tile(dead_bands, n), two_sided=both_signs)
-    except InputError as error:
-        if n == 1:
-            return {cases[0]: (np.nan, [str(error)])}
-        inputs = plants, winds, dead_bands, two_sided
-        return {i: _required_together(*inputs, [i])[i] for i in cases}
-    required = np.abs(np.reshape(limit.deflection, shape))
-    statuses = np.reshape(limit.status, shape).tolist()
-    return {i: (required[row], statuses[row]) for row, i in enumerate(cases)}
 
 
 def _stacked(histories: Sequence[History], index: IndexArray) -> History:
