@@ -134,7 +134,6 @@ def at_largest_pressure(case: AnyCase, need: CaseRequirement | None) -> tuple[An
     with suppress(InputError):  # the dynamic pressure in the wind is not known
         if need is not None:
             return at_peak_pressure(case, need), True
-
         ratio = largest_measured_pressure(case)  # over the nominal pressure
         if ratio <= 1.0:
             return None, False
