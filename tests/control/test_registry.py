@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 import tvclin as tv
 from tvclin.cli.app import app
 from tvclin.control.laws.registry import LAWS
-from tvclin.ensembles.campaign.cases import batch, draw_case
+from tvclin.ensembles.campaign.cases import batch, draw_cases
 from tvclin.ensembles.campaign.outputs import law_of
 from tvclin.studyfile.campaign_file import template
 from tvclin.studyfile.read import example
@@ -28,7 +28,7 @@ def test_a_law_is_the_same_in_trials_and_in_campaigns(name):
     )
     law = tv.control.design_law(name, PLANT, PEAK)
     assert law.numbers is not None  # the compiled flights know it
-    flown = law_of(plan, batch(plan, draw_case(plan, 0)))
+    flown = law_of(plan, batch(plan, draw_cases(plan, 0, 1)))
     assert law.numbers == flown.numbers == tv.design.standard_laws(PLANT, PEAK)[name].numbers
 
 
