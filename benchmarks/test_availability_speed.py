@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import tvclin as tv
-from tvclin.requirement.flight.flight_requirement import FlightEquations, FlightMode
-from tvclin.time_varying import requirements as time_varying
+from tvclin.requirement.flight.flight_requirement import FlightMode
+from tvclin.time_varying.requirements import SteppedWinds
 
 SOUNDINGS = 10_000
 LEVELS = 128
@@ -77,13 +77,13 @@ def test_soundings_to_availability_10000_both_planes(benchmark, station):
 
 def march_alone(flight):
     """Return the processor time [s] in which trim and demand of one wind are marched, twice."""
-    motion = FlightEquations(FlightMode(flight, "drift-exact", "pitch", flight.span))
+    motion = FlightMode(flight, "drift-exact", "pitch", flight.span)
     count = int(np.ceil((flight.span[1] - flight.span[0]) * motion.fastest[0] / 0.1))
     ends = np.linspace(*flight.span, count + 1)
     times = np.stack([ends[:-1], 0.5 * (ends[:-1] + ends[1:]), ends[1:]], axis=-1)[np.newaxis]
-    equations = motion.over(times)
     wind = np.random.default_rng(0).normal(0.0, 0.05, (500, *times.shape[1:]))
-    time_varying.curves(equations, times, wind, 1.0 + wind)
+    winds = SteppedWinds(motion.at_steps(times), times, wind, 1.0 + wind)
+    winds.curves()
     start = process_time()
-    time_varying.curves(equations, times, wind, 1.0 + wind)
+    winds.curves()
     return 2.0 * (process_time() - start) / len(wind)
