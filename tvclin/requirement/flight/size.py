@@ -39,7 +39,6 @@ from tvclin.requirement.flight.flight_winds import (
 from tvclin.requirement.flight.frozen_requirement import LAWS, frozen_requirements
 from tvclin.requirement.flight.sizing import (
     Sizing,
-    beyond_single_pole,
     doubtful_winds,
     flight_times,
     notes_of,
@@ -97,7 +96,7 @@ def two_plane_sizing(
     messages = (*pitch.said, *yaw.said, *vector_notes)
     # ratio of the deflections that the slow and the fast mode demand: of yaw where the slow one
     # decides there, else of pitch
-    slow = np.where(beyond_single_pole(yaw.slow_mode), yaw.slow_mode, pitch.slow_mode)
+    slow = np.where(yaw.beyond_single_pole, yaw.slow_mode, pitch.slow_mode)
     return replace(
         pitch,
         required=required,

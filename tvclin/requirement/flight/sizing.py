@@ -28,16 +28,6 @@ STEADY = 0.1
 """Relative change of beta or B above which frozen parameters are doubtful."""
 
 
-def beyond_single_pole(slow_mode: FloatArray) -> BoolArray:
-    """Return whether the slow mode of the flight path sets the required deflection.
-
-    `slow_mode`: ratio of the deflections that the slow and the fast mode demand, eq (C8) of the
-    report, by flight time and wind, ``(n, m)``; negative where the wind drives them in opposite
-    directions. NaN gives False.
-    """
-    return np.asarray((slow_mode > 1.0) | (slow_mode < 0.0))
-
-
 @dataclass(frozen=True)
 class Worst(Shown):
     """Largest deflection [rad] of a requirement, with its flight time [s] and wind."""
@@ -189,9 +179,9 @@ class Sizing(Tabled):
         """Whether m winds are beyond the single-pole theory at n flight times, ``(n, m)``.
 
         There the slow mode of the flight path, not the fast one of the attitude, sets the required
-        deflection: `slow_mode`, the ratio of the two, is negative or above one.
+        deflection: `slow_mode`, the ratio of the two, is negative or above one; NaN gives False.
         """
-        return beyond_single_pole(self.slow_mode)
+        return np.asarray((self.slow_mode > 1.0) | (self.slow_mode < 0.0))
 
     @property
     def steady(self) -> BoolArray:
