@@ -161,8 +161,9 @@ def basis(findings: Findings) -> Line:
     the whole flight and the dispersions follow if they bear on the verdict.
     """
     s = findings.study
+    planes = "both planes with one stop" if s.judges_both_planes else f"the {s.plane} plane"
     line: Line = (
-        f"The verdict is that of the {s.model} model in {_planes(s)}, with a dead band of K = ",
+        f"The verdict is that of the {s.model} model in {planes}, with a dead band of K = ",
         *significant("basis.dead_band", s.dead_band),
         f", in a {s.shape} wind of ",
         *significant("basis.peak_deg", np.degrees(_judged_wind(s).peak), unit="deg"),
@@ -207,11 +208,6 @@ def _reaches_the_limit(findings: Findings) -> Line:
         " wind, with smaller margins, see Autopilot and margins."
     )
     return (" Warning: without a limit the autopilot would turn the nozzle by ", *peak, tail)
-
-
-def _planes(s: Study) -> str:
-    """Return the words on the plane, or on both planes, in which a study `s` judges."""
-    return "both planes with one stop" if s.judges_both_planes else f"the {s.plane} plane"
 
 
 def _judged_wind(s: Study) -> ShapedWind:

@@ -239,13 +239,17 @@ class Replay:
             (k, significant(f"input.{k}", v, 7, self.units.get(k, "")))
             for k, v in self.inputs.items()
         )
+        angle_rows = (  # an infinite angle is of a lost flight
+            (k, ("lost",) if np.isinf(v) else degrees(f"output.{k}", v, unit="deg"))
+            for k, v in required.items()
+        )
         # `capability`: limit of the response over the requirement, one being the boundary
         reference = "on the boundary"
         if self.planes and self.capability < 1.0:
             reference = f"with the limit, {100.0 * self.capability:.3g} percent of the requirement"
         tables = (
             quantities(f"Case {self.case}: {self.fate or self.status}", drawn),
-            quantities("Required deflections", _angles(required)),
+            quantities("Required deflections", angle_rows),
             quantities("Flown with the limit", _plain(self.extremes_flown)),
             quantities("Margins of the autopilot", _plain(margins)),
             quantities(f"Response {reference}, K = {self.dead_band:g}", _plain(self.extremes)),
@@ -287,13 +291,6 @@ class Replay:
         if not self.planes:
             raise InputError(f"case {self.case} cannot be flown: {self.status}")
         return self.planes[one_of("plane", plane or self.campaign.plane, self.planes)]
-
-
-def _angles(angles: dict[str, float]) -> Iterator[Row]:
-    """Yield a row for each angle [rad] by name, in degrees; an infinite one is of a lost flight."""
-    for name, angle in angles.items():
-        line = degrees(f"output.{name}", angle, unit="deg")
-        yield name, ("lost",) if np.isinf(angle) else line
 
 
 _UNITS = ("deg", "s", "dB")

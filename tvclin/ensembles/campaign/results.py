@@ -215,21 +215,12 @@ class CampaignResults(Tabled):
     def survival(self, confidence: float | None = None) -> statistics.Success | None:
         """Return the probability that a flight survives; None where nothing was flown.
 
-        Parameters
-        ----------
-        confidence : float, optional
-            Confidence of the interval; by default the value of the campaign.
+        `confidence`: of its interval, by default the campaign's.
         """
         return self._flight_probability(lost=False, confidence=confidence)
 
     def loss(self, confidence: float | None = None) -> statistics.Success | None:
-        """Return the probability that a flight is lost; None where nothing was flown.
-
-        Parameters
-        ----------
-        confidence : float, optional
-            Confidence of the interval; by default the value of the campaign.
-        """
+        """Return the probability that a flight is lost; same parameters as `survival`."""
         return self._flight_probability(lost=True, confidence=confidence)
 
     def _flight_probability(

@@ -356,7 +356,8 @@ def _plane_sizing(
             )
             mode = FlightMode(schedule, model, plane, span=(min(firsts), max(lasts)))
             varying_needs = _varying_requirements(mode, placed, bands, count_need)
-            required |= _with_varying_keys(_columns(varying_needs, bands))
+            along = _columns(varying_needs, bands)
+            required |= {replace(key, varying=True): values for key, values in along.items()}
             arises = _arising_times(placed, varying_needs, bands)
             messages += _missing(required, bands)
             messages += _without_exit(mode, inputs.times, placed, bands)
@@ -428,11 +429,6 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
             yield FrozenRequirement.of_calm(bands, 0.0 if wind.known else np.nan)
         else:
             yield next(requirements)
-
-
-def _with_varying_keys(values: dict[Requirement, FloatArray]) -> dict[Requirement, FloatArray]:
-    """Return the values with keys of requirements with varying parameters."""
-    return {replace(key, varying=True): value for key, value in values.items()}
 
 
 def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list[str]:
@@ -543,9 +539,10 @@ def _arising_times(
     times = {TRIM: [x.trim_time for x in needs], MINIMUM: [x.trim_time for x in needs]}
     times |= {Requirement(dead_band=K): [x.times[k] for x in needs] for k, K in enumerate(bands)}
     is_fixed = fixed.any(axis=0)
-    return _with_varying_keys(
-        {key: np.where(is_fixed, value, np.nan) for key, value in times.items()}
-    )
+    return {
+        replace(key, varying=True): np.where(is_fixed, value, np.nan)
+        for key, value in times.items()
+    }
 
 
 def _progress_counter(
