@@ -280,7 +280,7 @@ def is_sufficient(plant: Plant, wind: History, limit: ArrayLike, dead_band: Arra
     InputError
         As `required_deflection`, and for a limit of zero.
     """
-    capability = _capability(limit)
+    capability = np.abs(small_angle("a deflection", nonzero)("limit", limit))  # [rad]
     needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
     if beyond := beyond_linear(float(np.max(np.abs(wind.peak)))):
         warnings.warn(beyond, stacklevel=2)
@@ -319,17 +319,12 @@ def survivable_peak(
     InputError
         As `required_deflection`, and for a limit of zero.
     """
-    capability = _capability(limit)
+    capability = np.abs(small_angle("a deflection", nonzero)("limit", limit))  # [rad]
     needed = np.abs(required_deflection(plant, wind, dead_band).deflection)
     with np.errstate(divide="ignore", invalid="ignore"):
         peak = np.abs(wind.peak) * (capability / needed)
     peak = np.where(needed == 0.0, MAX_LINEAR_ANGLE, np.minimum(peak, MAX_LINEAR_ANGLE))
     return plain(np.copysign(peak, wind.peak))
-
-
-def _capability(limit: ArrayLike) -> FloatArray:
-    """Return the size of a limit [rad]."""
-    return np.abs(small_angle("a deflection", nonzero)("limit", limit))
 
 
 _MAX_SHOWN_SWITCHES = 6
