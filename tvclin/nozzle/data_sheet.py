@@ -204,19 +204,6 @@ class NozzleVerdict(Shown):
         return (record_table(caption, "sheet", self.lines, *names, labels=labels),)
 
 
-_MINIMA = ("minimum_angle", "minimum_rate", "minimum_acceleration")
-"""Fields of the deflection, rate and acceleration that any law requires at least in a wind."""
-_DUTY = ("angle", "rate", "steady_rate", "acceleration", "travel", "reversals", "time_at_stop")
-"""Fields of the duty of a flight."""
-_WORK = ("torque", "holding_torque", "rms_torque", "power", "energy")
-"""Fields of torque, power and energy."""
-_COLUMN_KEYS = (
-    *("minimum_angle_deg", "minimum_rate_deg_per_s", "angle_deg", "rate_deg_per_s"),
-    "acceleration_deg_per_s2",
-)
-"""Columns of the table by flight time."""
-
-
 @dataclass(frozen=True, eq=False)
 class DutyPoint(Shown):
     """Duty of a nozzle at a flight time [s] in a wind, in a plane.
@@ -275,10 +262,13 @@ class DutyPoint(Shown):
 
         Minima are the deflection, rate and acceleration that any law requires at least in the wind.
         """
-        numbers = document(self, *_MINIMA)
-        if self.duty is not None:
-            numbers |= document(self.duty, *_DUTY)
-            numbers |= {} if self.duty.work is None else document(self.duty.work, *_WORK)
+        numbers = document(self, "minimum_angle", "minimum_rate", "minimum_acceleration")
+        if (duty := self.duty) is not None:
+            names = ("angle", "rate", "steady_rate", "acceleration")
+            numbers |= document(duty, *names, "travel", "reversals", "time_at_stop")
+            if duty.work is not None:
+                names = ("torque", "holding_torque", "rms_torque", "power")
+                numbers |= document(duty.work, *names, "energy")
         return {key: abs(float(value)) for key, value in numbers.items()}
 
     def as_dict(self) -> dict[str, Any]:
@@ -408,8 +398,10 @@ class FlightDuty(Shown):
     def _time_tables(self) -> Iterator[Table]:
         """Yield tables of the largest numbers of all winds, a row for each flight time."""
         times = sorted({point.time for point in self.points})
+        minima = ("minimum_angle_deg", "minimum_rate_deg_per_s")
+        peaks = ("angle_deg", "rate_deg_per_s", "acceleration_deg_per_s2")
         for caption, keys in (
-            ("By flight time, the largest of all winds", (*_COLUMN_KEYS, "travel_deg")),
+            ("By flight time, the largest of all winds", (*minima, *peaks, "travel_deg")),
             ("Torque, power and energy by flight time", ("torque_N_m", "power_W", "energy_J")),
         ):
             available = [key for key in keys if key in self.largest]

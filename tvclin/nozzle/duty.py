@@ -243,13 +243,6 @@ WITHOUT_DATA = (
 """Note on a duty without nozzle data."""
 
 
-_WORK = (
-    *("torque", "holding_torque", "rms_torque", "power", "corner_power"),
-    *("energy", "returned_energy"),
-)
-"""Fields of torque, power and energy in the table of a motion."""
-
-
 @dataclass(frozen=True)
 class NozzleDuty(Shown):
     """Duty of a nozzle in a motion; peaks with their signs and times.
@@ -311,10 +304,11 @@ class NozzleDuty(Shown):
             (name, (*line, " at ", *figure(f"duty.{name}_s", peaks[name].time, 2), " s"))
             for name, line in rows(self, "duty", *peaks)
         ]
-        names = ("rms_rate", "steady_rate", "window", "travel", "reversals", "time_at_stop")
-        shown += rows(self, "duty", *names)
+        shown += rows(self, "duty", "rms_rate", "steady_rate", "window")
+        shown += rows(self, "duty", "travel", "reversals", "time_at_stop")
         if self.work is not None:
-            shown += rows(self.work, "duty", *_WORK)
+            names = ("torque", "holding_torque", "rms_torque", "power", "corner_power")
+            shown += rows(self.work, "duty", *names, "energy", "returned_energy")
         return (quantities("Duty of the nozzle in the motion", shown),)
 
 

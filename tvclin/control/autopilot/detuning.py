@@ -230,7 +230,8 @@ def detuned(
     if not names:
         raise InputError("detuned() needs a plant with a bending mode or a tank; this has none")
     changes, frequency, damping, slope_sign = mode_changes(names, len(plant.structure.bending), row)
-    plants = with_mode_factors(plant, frequency, damping, slope_sign)
+    varied = structure_with_mode_factors(plant.structure, frequency, damping, slope_sign)
+    plants = replace(plant, structure=varied)
     # margins of modes are computed only for criteria that judge them
     bands = autopilot.band_margins(plants) if criteria.has_mode_limits else None
     margins = loop_margins(autopilot.exact_loop(plants)) if bands is None else bands.margins
@@ -279,22 +280,6 @@ _SENSED = (
 """Slopes and displacements of a bending mode at the sensors."""
 
 
-def with_mode_factors(
-    plant: FlexiblePlant,
-    frequency: FloatArray,
-    damping: FloatArray,
-    slope_sign: FloatArray | None = None,
-) -> FlexiblePlant:
-    """Return plants with factors on frequencies, dampings and shapes at the sensors of the modes.
-
-    `plant`: one or a batch, which broadcasts with the factors. `frequency`, `damping`: factors for
-    bending modes and then tanks, ``(..., modes)``. `slope_sign`: likewise, 1 or -1 for slopes and
-    displacements at the sensors; tanks have none; None: all are 1.
-    """
-    structure = structure_with_mode_factors(plant.structure, frequency, damping, slope_sign)
-    return replace(plant, structure=structure)
-
-
 def structure_with_mode_factors(
     structure: Structure,
     frequency: FloatArray,
@@ -303,9 +288,9 @@ def structure_with_mode_factors(
 ) -> Structure:
     """Return a structure with factors on frequencies, dampings and sensor shapes of its modes.
 
-    `frequency`, `damping`: factors for bending modes and then tanks, ``(..., modes)``.
-    `slope_sign`: likewise, 1 or -1 for slopes and displacements of bending modes at the sensors;
-    None: all are 1.
+    `frequency`, `damping`: factors for bending modes and then tanks, ``(..., modes)``, which
+    broadcast with the numbers of the structure. `slope_sign`: likewise, 1 or -1 for slopes and
+    displacements of bending modes at the sensors; None: all are 1.
     """
     signs = np.ones_like(frequency) if slope_sign is None else slope_sign
     bending = tuple(
@@ -381,7 +366,8 @@ def stable_ranges(
         frequency = np.ones((factors.size, mode_count))
         frequency[np.arange(factors.size), np.repeat(modes, factors.shape[1])] = factors.ravel()
         damping = np.ones_like(frequency)
-        loop = autopilot.exact_loop(with_mode_factors(plant, frequency, damping))
+        structure = structure_with_mode_factors(plant.structure, frequency, damping)
+        loop = autopilot.exact_loop(replace(plant, structure=structure))
         verdict = stability(loop.form)
         fails = (verdict.unstable_poles > 0) | verdict.marginal
         return np.asarray(fails).reshape(factors.shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from tvclin.base.fields import derived, spec
 from tvclin.base.lines import Line, Table, number, significant, text
 from tvclin.base.quantities import satisfaction
 from tvclin.control.autopilot.autopilot import Autopilot, warn_of_feedback, warn_of_sampling
-from tvclin.control.autopilot.detuning import mode_changes, with_mode_factors
+from tvclin.control.autopilot.detuning import mode_changes, structure_with_mode_factors
 from tvclin.control.autopilot.gain_schedule import GainSchedule, autopilot_along
 from tvclin.control.margins.bands import BandMargins, ModeBand, band_margins
 from tvclin.control.margins.criteria import CRITERIA, Criteria, Judgement
@@ -393,7 +393,9 @@ def sweep(
         rows = slice(1, 1 + len(names) * row.size)
         all_changes, *mode_factors = mode_changes(names, len(plants.structure.bending), row)
         changes = all_changes[rows]
-        varied = with_mode_factors(plants, *(array[rows, np.newaxis] for array in mode_factors))
+        factors_of_rows = (array[rows, np.newaxis] for array in mode_factors)
+        structure = structure_with_mode_factors(plants.structure, *factors_of_rows)
+        varied = replace(plants, structure=structure)
         judged_names = names if criteria.has_mode_limits else ()
         varied_loop = autopilots.exact_loop(varied)
         varied_bands = _bands(varied_loop, varied, judged_names, delays=criteria.has_delay_limit)

@@ -125,9 +125,7 @@ class EstimatedLaw(Law):
             raise errors.InputError(
                 "law has an estimator already; give it the angle of attack of one"
             )
-        self.estimator.states(
-            self.plant
-        )  # raises for a batch, and a plant without aerodynamic moment
+        self.estimator.states(self.plant)  # raises for a batch, and without aerodynamic moment
         for name in ("engage", "release"):
             object.__setattr__(self, name, getattr(self.law, name))
 

@@ -311,10 +311,6 @@ CRITERIA = {
 """Criteria by name: 6 dB and 30 deg, 6 dB and 45 deg."""
 
 
-_FACTORS = {"aero_margin_dB": "aero_margin", "gain_increase_dB": "gain_increase"}
-"""Margins in dB whose factor on the gain is shown in parentheses."""
-
-
 def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
     """Return the table of margins of one stable loop, their frequencies, limits and surplus.
 
@@ -326,8 +322,8 @@ def margin_table(margins: Margins, judged: Sequence[Judgement] = ()) -> Table:
         key = f"margin.{name}"
         frequency_cell = significant(f"{key}.rad_per_s", frequency)
         value_cell = margin(key, value, unit)
-        if name in _FACTORS and np.isfinite(value):  # a margin in dB: also as a factor
-            factor = significant(f"{key}.factor", getattr(margins, _FACTORS[name]), 3)
+        if unit == "dB" and np.isfinite(value):  # also as a factor
+            factor = significant(f"{key}.factor", getattr(margins, name.removesuffix("_dB")), 3)
             value_cell = (*value_cell, " (", *factor, "x)")
         limit_cells = _limit_cells(by_margin.get(name))
         rows.append((labelled(label), value_cell, frequency_cell, *limit_cells))

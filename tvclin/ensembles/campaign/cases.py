@@ -11,7 +11,7 @@ import numpy as np
 from tvclin.base.arrays import AnyArray, FloatArray, IndexArray
 from tvclin.base.errors import InputError
 from tvclin.boundary.limit import leading_pole
-from tvclin.control.autopilot.detuning import with_mode_factors
+from tvclin.control.autopilot.detuning import structure_with_mode_factors
 from tvclin.control.autopilot.feedback import GAINS
 from tvclin.ensembles.campaign.campaign_plan import Campaign, mode_factors
 from tvclin.ensembles.campaign.outputs import (
@@ -155,7 +155,7 @@ def _flexible(
     factors = (
         mode_factors(vehicle.structure, values, number) for number in ("frequency", "damping")
     )
-    return with_mode_factors(plant, *factors)
+    return replace(plant, structure=structure_with_mode_factors(vehicle.structure, *factors))
 
 
 def _columns(campaign: Campaign, first: int, count: int) -> dict[str, AnyArray]:
