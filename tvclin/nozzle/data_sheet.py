@@ -245,10 +245,7 @@ class DutyPoint(Shown):
     @property
     @derived("angular acceleration")
     def minimum_acceleration(self) -> float:
-        """The acceleration p^2 d0 [rad/s2] that must be exceeded at any angle.
-
-        p: fast unstable pole [1/s]. d0: minimum angle [rad] in the known wind.
-        """
+        """The acceleration p^2 d0 [rad/s2] that must be exceeded, as `minimum_rate` p d0."""
         return self.pole**2 * self.minimum
 
     @property

@@ -5,8 +5,9 @@ A motion consists of steps, from samples or from a flight with its actuator.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -153,6 +154,15 @@ AT_REST = 1e-6
 """Fraction of the largest rate below which a rate counts as zero."""
 
 
+def _peak(name: str, kind: str, *, card: bool = True, time_card: bool = False) -> Mapping[str, Any]:
+    """Return the metadata of the attribute `name`, a `Point`: its value, and its time.
+
+    `kind`: kind of quantity of the value. `card`, `time_card`: whether notebooks show each.
+    """
+    time = Field(kind="time", name=f"{name}_time", of=f"{name}.time", card=time_card)
+    return specs(Field(kind=kind, of=f"{name}.value", card=card), time)
+
+
 @dataclass(frozen=True)
 class Work(Shown):
     """Torque, power and energy of the actuators.
@@ -166,20 +176,10 @@ class Work(Shown):
     `stiffness`: k + s_E a_x [N m/rad]; with a negative one the nozzle turns away by itself.
     """
 
-    torque: Point = field(
-        metadata=specs(
-            Field(kind="moment", of="torque.value"),
-            Field(kind="time", name="torque_time", of="torque.time"),
-        )
-    )
+    torque: Point = field(metadata=_peak("torque", "moment", time_card=True))
     holding: float = field(metadata=spec("moment", name="holding_torque"))
     rms_torque: float = field(metadata=spec("moment"))
-    power: Point = field(
-        metadata=specs(
-            Field(kind="power", of="power.value"),
-            Field(kind="time", name="power_time", of="power.time"),
-        )
-    )
+    power: Point = field(metadata=_peak("power", "power", time_card=True))
     energy: float = field(metadata=spec("energy"))
     returned: float = field(metadata=spec("energy", name="returned_energy"))
     corner_power: float = field(metadata=spec("power"))
@@ -189,13 +189,8 @@ class Work(Shown):
 def work_of(motion: Motion, nozzle: NozzleData, vehicle: Vehicle | None) -> tuple[Work, list[str]]:
     """Return torque, power and energy of a motion, and notes on omitted terms.
 
-    The torque is M = J_E (delta'' + theta'') + s_E (a_x delta - a_n) + c delta' + k delta + M_f
-    sgn(delta') + m_E a_x e + T e_T, with the axial and normal acceleration a_x and a_n [m/s2] of
-    the hinge, deflection delta and attitude theta. The engine has the moment of inertia J_E about
-    the hinge, the static moment s_E = m_E l_E and the mass m_E; the hinge has the damping c, the
-    stiffness k and the friction moment M_f; e and e_T are the offsets of mass and thrust T.
-    `motion`: deflection, rates and accelerations in each step. `nozzle`: engine and hinge.
-    `vehicle`: None on a bench.
+    The torque is M in the notes of `nozzle_duty`, which define its terms. `motion`: deflection,
+    rates and accelerations in each step. `nozzle`: engine and hinge. `vehicle`: None on a bench.
     """
     engine, weights, rate = nozzle.engine, motion.weights, motion.rate
     inertia, moment = float(engine.inertia_about_gimbal), float(engine.static_moment)
@@ -270,24 +265,9 @@ class NozzleDuty(Shown):
         Omitted terms, and why they are omitted.
     """
 
-    angle: Point = field(
-        metadata=specs(
-            Field(kind="angle", of="angle.value"),
-            Field(kind="time", name="angle_time", of="angle.time", card=False),
-        )
-    )
-    rate: Point = field(
-        metadata=specs(
-            Field(kind="angular rate", of="rate.value"),
-            Field(kind="time", name="rate_time", of="rate.time", card=False),
-        )
-    )
-    acceleration: Point = field(
-        metadata=specs(
-            Field(kind="angular acceleration", of="acceleration.value", card=False),
-            Field(kind="time", name="acceleration_time", of="acceleration.time", card=False),
-        )
-    )
+    angle: Point = field(metadata=_peak("angle", "angle"))
+    rate: Point = field(metadata=_peak("rate", "angular rate"))
+    acceleration: Point = field(metadata=_peak("acceleration", "angular acceleration", card=False))
     rms_rate: float = field(metadata=spec("angular rate", card=False))
     steady_rate: float = field(metadata=spec("angular rate", card=False))
     window: float = field(metadata=spec("time", "window of the steady rate", card=False))

@@ -1,8 +1,4 @@
-"""Upper bounds of the margins of any linear autopilot, from an unstable pole p and a delay.
-
-With M = e^(p delay): peak sensitivity >= M, disk margin <= 2/(M + sqrt(M^2 - 1)), phase margin <=
-2 arcsin(1/M), and gain range <= ((M + 1)/(M - 1))^2.
-"""
+"""Upper bounds of the margins of any linear autopilot, from an unstable pole and a delay."""
 
 from __future__ import annotations
 

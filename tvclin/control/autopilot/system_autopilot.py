@@ -46,19 +46,13 @@ class SystemAutopilot(Autopilot):
         sample time it is the difference equations of a flight computer.
     inputs : sequence of str, optional
         Names of the inputs, in place of the system's.
-    actuator : Actuator, optional
-        Without it the deflection equals its command.
-    delay : float
-        Delay [s] between the controller and the actuator.
-    pade_order : int
-        Order of the Pade approximation of the delay, as in `Autopilot`.
+    actuator, delay, pade_order, acceleration_station, accelerometer_bandwidth
+        Same parameters as `Autopilot`.
     filters, attitude_filters, rate_filters : tuple of Filter
         Filters behind the controller, and of its inputs attitude and attitude_rate.
     sample_rate : float, optional
         Samples per second [Hz] of a continuous system, with a zero-order hold of its inputs. That
         of a system with a sample time is one over it.
-    acceleration_station, accelerometer_bandwidth : float
-        Position of the accelerometer ahead of the centre of gravity [m], and its bandwidth [rad/s].
 
     Raises
     ------
