@@ -75,7 +75,14 @@ def finish_by_modes(f: Flights, batch: Batch) -> None:
     # the next sample at which flights are judged; `finish` NEVER: a flight without a fixed end
     waiting, pause = f.cases.waiting.copy(), _SETTLING_TIMES * f.cases.settling
     pause = -(-pause // JUDGED_SAMPLES) * JUDGED_SAMPLES
-    slow = _has_linear_law(f, batch) & (f.cases.finish == NEVER) & (pause < waiting)
+    # laws that are linear below the limit, without noise, a switch (`engage`) below the limit, or
+    # the lean of a recoverable attitude; those in Python, without numbers, are not known to be
+    linear = [
+        numbers is not None and not numbers.leans and numbers.engage >= 1.0 and not noise
+        for numbers, (noise, _) in zip(batch.laws.numbers, batch.laws.noise, strict=True)
+    ]
+    is_linear = np.array(linear, bool)[f.cases.law]
+    slow = is_linear & (f.cases.finish == NEVER) & (pause < waiting)
     start = FlightStates._make(array.copy() for array in f.now) if np.any(slow) else f.now
     np.copyto(f.cases.waiting, pause, where=slow)
     finish(f, batch.laws)
@@ -92,20 +99,6 @@ def finish_by_modes(f: Flights, batch: Batch) -> None:
         finish(again, batch.laws)
         for array, flown in zip(f.now, again.now, strict=True):
             array[rest] = flown
-
-
-def _has_linear_law(f: Flights, batch: Batch) -> BoolArray:
-    """Return whether the law of each of m flights is linear below its limit, ``(m,)``.
-
-    It is without noise, without a switch (`engage`) below the limit, and no recoverable-attitude
-    law (`leans`); laws in Python, without numbers, are not known to be linear. `f`: arrays of the
-    flights. `batch`: the flights.
-    """
-    linear = [
-        numbers is not None and not numbers.leans and numbers.engage >= 1.0 and not noise
-        for numbers, (noise, _) in zip(batch.laws.numbers, batch.laws.noise, strict=True)
-    ]
-    return np.array(linear, bool)[f.cases.law]
 
 
 def remain_linear(batch: Batch, f: Flights, cases: IndexArray) -> BoolArray:

@@ -93,29 +93,14 @@ def equilibrium_step(batch: Batch) -> FloatArray:
     return steps[0]  # of flight number 0
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray, FloatArray]:
-    """Return step matrices of k loops at equilibrium, ``(k, n, n)``, and rows of commands.
-
-    A matrix over a sample whose entries are not finite is replaced by one with a huge eigenvalue.
-    The rows ``(k, n)`` give the commanded deflections [rad] from the n states of
-    `equilibrium_step`. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k
-    flights.
-    """
-    with np.errstate(over="ignore", invalid="ignore"):
-        steps, commands = _loop_steps(batch, f, cases)
-    # A gain whose step matrix (last two axes) overflows is unstable.
-    steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_OVERFLOW_EIGENVALUE * np.eye(
-        steps.shape[-1]
-    )
-    return steps, commands
-
-
-def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray, FloatArray]:
     """Return step matrices of k loops at equilibrium, ``(k, n, n)``, and command rows ``(k, n)``.
 
     They act on the n states of `equilibrium_step`, and each signal of the loop is a matrix of its
     coefficients on them. The last `command_count` commands [rad], of which all but one are pending,
-    are states. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights. The
+    are states. A matrix over a sample whose entries are not finite is replaced by one with a huge
+    eigenvalue. `batch`, `f`: all flights, and their arrays. `cases`: indices of the k flights. The
     part of a sample with `index` 0 is the last: there a command that is `late` samples old acts,
     and before it, in the part with index 1, the one before.
     """
@@ -125,9 +110,7 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray
     size = order + law_order + command_count - 1
     x, law_states, pending = np.split(np.eye(size), [order, order + law_order])
 
-    def per_case(rows: FloatArray) -> FloatArray:
-        """Return the law's rows for each of the k flights, from `rows` of all laws with filters."""
-        return rows[f.cases.memory[cases]]
+    memory = f.cases.memory[cases]  # index of each flight's rows of the law with its filters
 
     def spread(rows: FloatArray) -> FloatArray:
         """Return rows of coefficients that are the same in all k flights, ``(k, rows, n)``."""
@@ -141,16 +124,14 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray
     )
     # Law: its states, the sensors and its demand give its inputs, the command and its next states.
     signals = np.concatenate([spread(law_states), sensed, spread(0.0 * x[:1])], axis=1)
-    measured = per_case(f.laws.input_rows) @ signals if len(f.laws.input_rows) else sensed
+    measured = f.laws.input_rows[memory] @ signals if len(f.laws.input_rows) else sensed
     # derivatives of the demand by measurements and states of the law
     slopes = f.cases.gain[cases, np.newaxis] * _slopes(batch, f, cases)
     demand = slopes[:, np.newaxis] @ np.concatenate([measured, spread(law_states)], axis=1)
     signals[:, -1:] = demand
-    command = (
-        per_case(f.laws.command_rows)[:, np.newaxis] @ signals
-        if len(f.laws.command_rows)
-        else demand
-    )
+    command = demand
+    if len(f.laws.command_rows):
+        command = f.laws.command_rows[memory][:, np.newaxis] @ signals
     commands = np.concatenate([command, spread(pending)], axis=1)
     # Vehicle and nozzle: the part of a sample before the arrival of a command, then the other.
     stepped = spread(x)
@@ -159,9 +140,11 @@ def _loop_steps(batch: Batch, f: Flights, cases: IndexArray) -> tuple[FloatArray
         now = np.take_along_axis(commands, age, axis=1)
         J = f.steps.joint[vehicles, index]  # columns: states of vehicle and nozzle, the command
         stepped = J[..., :order] @ stepped + J[..., order : order + 1] @ now
-    states = per_case(f.laws.memory) @ signals
-    rows = [stepped, states, commands[:, : command_count - 1]]
-    return np.concatenate(rows, axis=1), command[:, 0]
+    rows = [stepped, f.laws.memory[memory] @ signals, commands[:, : command_count - 1]]
+    steps = np.concatenate(rows, axis=1)
+    # A gain whose step matrix (last two axes) overflows is unstable.
+    steps[~np.all(np.isfinite(steps), axis=(1, 2))] = -_OVERFLOW_EIGENVALUE * np.eye(size)
+    return steps, command[:, 0]
 
 
 def _slopes(batch: Batch, f: Flights, cases: IndexArray) -> FloatArray:
