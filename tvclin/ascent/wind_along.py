@@ -327,10 +327,9 @@ class SoundingWind(VehicleWind):
         """
         wind, time = self._along(plane), self._time(vehicle)
         first, last = wind.known
-        vehicle = complete_vehicle(vehicle, "a sounding")
-        history = wind.of_both_signs(vehicle) if first <= time <= last else None
-        if history is None:
+        if not first <= time <= last:
             raise NotKnownError(f"the wind of {self.name} is not known at {time:g} s, {_TIME}")
+        history = wind.of_both_signs(complete_vehicle(vehicle, "a sounding"))
         if not history.peak:
             raise InputError(f"the wind of {self.name} is calm at {time:g} s, {_TIME}")
         return history.shift(-self.zero(vehicle, plane))
