@@ -66,7 +66,7 @@ def test_the_required_deflection_beside_a_nonlinear_flight_is_of_the_model_of_th
     assert document(study)["required_deflection_deg"] == pytest.approx(required, rel=1e-12)
     printed = " ".join(run(study).output.split())
     assert "linear theory is of drift-exact here, the study of fixed-path" in printed
-    assert f"required deflection {required:.3f} deg, see study" in printed
+    assert f"required deflection {required:.3f} deg in a head wind, see study" in printed
 
 
 @pytest.mark.thorough

@@ -169,7 +169,7 @@ def test_the_required_rate_of_laws_without_a_forecast_says_whose_it_is() -> None
             (
                 ("--rate-limit-deg", "2"),
                 0,
-                "Required deflection 0.412 deg, see study; required rate",
+                "Required deflection 0.412 deg in a head wind, see study; required rate",
             ),
             ((), 0, "a limit below it is never sufficient"),
             (

@@ -24,7 +24,7 @@ WIND = ("--wind", "triangular", "--duration", "7.5", "--peak-deg", "5")
 LIMIT = ("--limit-deg", "0.4")
 AT = ("--from", "66", "--to", "66")
 REQUIRED, NOMINAL = "0.412 deg", "at nominal dynamic pressure"
-SEE = f"equired deflection {REQUIRED}, see study"
+SEE = f"equired deflection {REQUIRED} in a head wind, see study"
 OTHERS = re.compile(
     r"(?<!NOT )\b(SUFFICIENT|ENOUGH|Enough|enough)\b|NOT [Ee]nough|NOT ENOUGH|\bLOST\b|calm air"
 )

@@ -166,9 +166,9 @@ class CaseRequirement:
         if np.isinf(self.required_deflection):
             return "no limit is sufficient, see study"
         band = "" if self.dead_band == 1.0 else f" with K = {self.dead_band:g}"
-        nominal = f" {NOMINAL}" if self.at_nominal_pressure else ""
+        where = NOMINAL if self.at_nominal_pressure else f"in a {self.direction} wind"
         required = f"{np.degrees(self.required_deflection):.3f} deg"
-        return f"required deflection {required}{band}{nominal}, see study"
+        return f"required deflection {required}{band} {where}, see study"
 
     @property
     def plane_ratio(self) -> float:
