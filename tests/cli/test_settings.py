@@ -273,7 +273,11 @@ def test_a_key_beside_its_own_option_is_refused(command, option, key):
 
 @pytest.mark.parametrize(
     "command",
-    [("fly", "--law", "trim"), ("nozzle", "--over", "flight"), ("nozzle", "--law", "trim")],
+    [
+        ("fly", "--law", "trim"),
+        ("nozzle", "--over", "flight", "--law", "trim"),
+        ("nozzle", "--law", "trim"),
+    ],
 )
 def test_gains_of_another_law_than_the_autopilot_are_refused_by_key_as_by_option(command):
     option = ("--attitude-gain", "1")

@@ -554,3 +554,18 @@ def test_a_flight_that_survives_an_unstable_mode_says_at_which_times_it_is_unsta
     assert not loop.margins(plant).stable
     stable = json.loads(run("fly", folder / "study.toml", "--limit-deg", "3", "--json").stdout)
     assert "unstable oscillation" not in " ".join(stable["notes"])
+
+
+def test_the_duty_over_a_flight_is_of_the_autopilot_of_its_file(folder) -> None:
+    """At 50 s that is its table's row of 50 s, not the gains of the time of the vehicle."""
+    head, *rows = (folder / "gains.csv").read_text().split()
+    (row,) = (row for row in rows if row.startswith("50.0,"))
+    gains = row.removeprefix("50.0,")
+    (folder / "constant.csv").write_text(f"{head}\n30,{gains}\n110,{gains}\n")
+    given = ("nozzle", folder / "study.toml", "--over", "flight", "--from", 50, "--to", 50)
+    varying = json.loads(run(*given, "--json").stdout)
+    constant = ("--set", "autopilot.schedule", folder / "constant.csv")
+    same = json.loads(run(*given, *constant, "--json").stdout)
+    assert varying["law"] == same["law"] == "autopilot"
+    assert varying["largest"] == pytest.approx(same["largest"], rel=1e-9)
+    assert json.loads(run(*given, "--law", "trim", "--json").stdout)["law"] == "trim"

@@ -46,7 +46,7 @@ from tvclin.cli.wind import FlightOptions, WindOptions, cut_condition, with_gust
 from tvclin.control.laws.registry import AUTOPILOT, LAWS
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.nozzle.data_sheet import FlightDuty
-from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty
+from tvclin.nozzle.duty_over_flight import FlownDuty, flight_duty, frozen_design
 from tvclin.nozzle.flown_trade_off import FlownTradeOff, flown_required_rate, flown_trade_offs
 from tvclin.requirement.autopilot_requirement import at_largest_pressure
 from tvclin.requirement.case_requirement import CaseRequirement, study_requirement
@@ -78,7 +78,7 @@ class NozzleOptions:
     law: list[str] | None = option(
         f"Fly this law with the limits too: {listed(LAWS, 'or')}. May be given several times"
         f" with {IN_A_WIND}.",
-        shown=f"none; with --over {FLIGHT} that of the study file, or trim",
+        shown=f"none; with --over {FLIGHT} the law or the autopilot of the study file, else trim",
     )
     laws: bool = switch(
         "--laws",
@@ -524,7 +524,8 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     assert request is not None
     if len(names) > 1:
         raise InputError(f"--law may be given once with --over flight; got {len(names)}")
-    law = names[0] if names else request.duty_law or "trim"
+    own = "trim" if case.autopilot_design.unspecified else AUTOPILOT  # that of the file or options
+    law = names[0] if names else request.duty_law or own
     if law != AUTOPILOT:
         FlownLaw(gains=options.gains).only_with_autopilot(source)  # refuses options of gains
         note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
@@ -567,6 +568,6 @@ def _at_worst_time(case: StudyPlan, duty: FlightDuty) -> StudyPlan | None:
         model=case.law_model,
         plane=worst.plane,
         nozzle=case.nozzle,
-        design=case.design,
+        design=frozen_design(case, case.sizing, worst.time),
         controller=case.controller,
     )

@@ -30,6 +30,7 @@ from tvclin.case.nozzle import Nozzle
 from tvclin.case.turbulence import TurbulenceRequest
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS, AutopilotDesign
+from tvclin.control.autopilot.gain_schedule import design_at
 from tvclin.control.autopilot.gain_table import GainTable
 from tvclin.control.laws.law import FilteredLaw, Law, NoisyLaw
 from tvclin.control.laws.registry import AUTOPILOT, LAWS, design_law, design_notes, linear_gains
@@ -363,7 +364,7 @@ class _Conditions:
             plane=point.plane,
             wind=wind,
             nozzle=self.case.nozzle,
-            design=self.case.design,
+            design=frozen_design(self.case, self.request, point.time),
             controller=self.case.controller,
         )
         plant, nozzle = case.plant.rigid, case.nozzle
@@ -412,6 +413,12 @@ class _Conditions:
             without_noise=without_noise,
             noise_rate=noise_rate,
         )
+
+
+def frozen_design(case: Case, request: SizingRequest, time: float) -> AutopilotDesign | None:
+    """Return the autopilot at a flight time [s]: that over the flight, or else that of the case."""
+    scheduled = request.scheduled_design
+    return case.design if scheduled is None else design_at(scheduled, request.schedule, time)
 
 
 def _spent(duty: NozzleDuty) -> FloatArray:
