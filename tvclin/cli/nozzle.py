@@ -534,11 +534,9 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     gains = textbook_notes(case) if law == AUTOPILOT else ()
     notes = [f"{law} {_FROZEN_DUTY}", *gains, *request.warnings, *request.notes, *duty.notes]
     duty.to_csv(shown.csv)  # written where the option names a file
-    sheet, *further = duty.tables()
     name = f"{duty.vehicle or source}, {PLANE_TEXTS[case.planes]}"
-    sheet = replace(sheet, caption=f"{name}, {law} flown\n{sheet.caption}")
-    satisfied = duty.verdict.satisfied
-    frozen = "" if satisfied is None else f", {FROZEN_ALONG}"
+    sheet, *further = _titled(f"{name}, {law} flown", *duty.tables())
+    frozen = "" if duty.verdict.satisfied is None else f", {FROZEN_ALONG}"
     answer(
         shown.as_json,
         lambda: duty.as_dict() | {"notes": notes},
@@ -549,7 +547,7 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
             more=more,
             details=lambda: _print_details(further, _at_worst_time(case, duty)),
         ),
-        bool(satisfied),
+        bool(duty.verdict.satisfied),
     )
 
 
