@@ -93,30 +93,17 @@ def autopilot_requirement(
     cannot be flown, in the same cases as `closed_loop_boundary`.
     """
     nominal = autopilot_boundary(case, plant, autopilot)
-    head, head_counts = head_wind_boundary(case, autopilot, need)
-    return AutopilotRequirement(nominal=nominal, head=head, head_counts=head_counts)
+    denser, counts = at_largest_pressure(case, need)
+    head = None
+    if denser is not None:
+        with suppress(InputError):  # a plant that is not defined at that pressure
+            head = autopilot_boundary(denser, denser.plant, autopilot)
+    return AutopilotRequirement(nominal=nominal, head=head, head_counts=counts)
 
 
 def counts_head(need: CaseRequirement) -> bool:
     """Return whether a head wind sets the required deflection `need`, or may set it."""
     return need.ratio_to_nominal > 1.0 or bool(need.unknown)
-
-
-def head_wind_boundary(
-    case: Case, autopilot: Autopilot, need: CaseRequirement | None, plane_ratio: float = 1.0
-) -> tuple[ClosedLoopBoundary | None, bool]:
-    """Return the boundary of an autopilot at the pressure in the wind, and whether that counts.
-
-    The largest dynamic pressure in the wind counts in a verdict where a head wind sets the
-    requirement `need` of the ideal trim law, or a measured wind raises the pressure (see
-    `at_largest_pressure`). The boundary is None where it does not count, or is not known.
-    `plane_ratio`: limit of both planes over the limit of this plane.
-    """
-    denser, counts = at_largest_pressure(case, need)
-    if denser is not None:
-        with suppress(InputError):  # a plant that is not defined at that pressure
-            return autopilot_boundary(denser, denser.plant, autopilot, plane_ratio), counts
-    return None, counts
 
 
 def at_largest_pressure(case: AnyCase, need: CaseRequirement | None) -> tuple[AnyCase | None, bool]:

@@ -436,40 +436,32 @@ def _in_a_head_wind(
     `plan`, `study`: the study plan, and its study. `flying`: result with plant and autopilot, None
     without an autopilot. `loop`: function that returns both. `limit`: deflection limit [rad].
     """
-    from tvclin.requirement.autopilot_requirement import at_peak_pressure, head_wind_boundary
+    from tvclin.requirement.autopilot_requirement import at_largest_pressure, autopilot_boundary
 
     if not study.ratio_to_nominal > 1.0:  # NaN in a wind beyond linear aerodynamics
         return None
-    stop = None
+    stop = rates = loads = turbulence = None
+    denser, _counts = at_largest_pressure(plan, study)
+    if denser is None:  # that pressure is not known
+        return HeadWind(stop, rates)
+    if plan.load is not None:
+        # the slope N [N/rad] goes with the dynamic pressure; a vehicle of coefficients has none
+        higher, nominal = (getattr(x.vehicle, "normal_force_slope", 1.0) for x in (denser, plan))
+        denser = replace(denser, load=plan.load.at_pressure(float(higher / nominal)))
     if flying is not None:
-        stop, _ = head_wind_boundary(plan, flying.autopilot, study, study.plane_ratio)
-    rates = loads = turbulence = None
+        with suppress(InputError):
+            ratio = study.plane_ratio
+            stop = autopilot_boundary(denser, denser.plant, flying.autopilot, ratio)
     with suppress(InputError):
-        denser = _with_load_of(at_peak_pressure(plan, study), plan)  # at the higher pressure
         rates = _rates(denser, study, limit) if plan.nozzle.rate_limit else None
         if denser.load is not None:
             fraction = 1.0 / study.plane_ratio  # share of the limit that this plane has
             loads = denser.load.trade_off(denser, fraction, only_bound=True)  # at the load limit
     if plan.turbulence is not None:
-        with suppress(InputError):  # by itself: rates or loads may not be defined
-            denser = _with_load_of(at_peak_pressure(plan, study), plan)
-            _, autopilot = loop()  # flown with the plant at the higher dynamic pressure
-            turbulence = _turbulence(
-                denser, study, lambda: (denser.plant, autopilot), plan.turbulence
-            )
+        with suppress(InputError):
+            plant, (_, autopilot) = denser.plant, loop()  # flown with the plant at this pressure
+            turbulence = _turbulence(denser, study, lambda: (plant, autopilot), plan.turbulence)
     return HeadWind(stop=stop, rates=rates, loads=loads, turbulence=turbulence)
-
-
-def _with_load_of(denser: StudyPlan, plan: StudyPlan) -> StudyPlan:
-    """Return the plan `denser`, at a higher dynamic pressure, with the load limit at that pressure.
-
-    `plan`: the plan at nominal dynamic pressure, with the load limit there.
-    """
-    if plan.load is None:
-        return denser
-    # the slope N [N/rad] goes with the dynamic pressure; a vehicle of coefficients has none
-    higher, nominal = (getattr(x.vehicle, "normal_force_slope", 1.0) for x in (denser, plan))
-    return replace(denser, load=plan.load.at_pressure(float(higher / nominal)))
 
 
 def _loop(plan: StudyPlan) -> tuple[AnyPlant, Autopilot]:
