@@ -483,6 +483,11 @@ def _turbulence(
 
     if study.judges_both_planes:
         raise InputError("turbulence is answered in one plane; leave out the limit of both planes")
+    altitude, time = None, getattr(plan.vehicle, "time", None)  # [m], [s]
+    if request.needs_altitude and time is not None and plan.sizing is not None:
+        schedule = plan.sizing.schedule
+        if schedule.altitude is not None:
+            altitude = float(np.interp(float(np.asarray(time)), schedule.times, schedule.height))
     plant, autopilot = loop()
     return LoopInTurbulence.of(
         request,
@@ -491,18 +496,9 @@ def _turbulence(
         autopilot,
         plan.history,
         limit=plan.nozzle.limit,
-        altitude=_altitude(plan) if request.needs_altitude else None,
+        altitude=altitude,
         load=plan.load,
     )
-
-
-def _altitude(plan: StudyPlan) -> float | None:
-    """Return the altitude [m] of the vehicle of a plan at its flight time; None if not known."""
-    time = getattr(plan.vehicle, "time", None)
-    if time is None or plan.sizing is None or plan.sizing.schedule.altitude is None:
-        return None
-    schedule = plan.sizing.schedule
-    return float(np.interp(float(np.asarray(time)), schedule.times, schedule.height))
 
 
 def _flight(
