@@ -463,7 +463,7 @@ def test_it_says_which_options_would_tell_more() -> None:
 
     assert "--set sounding.window_s 20 counts of a sounding" in two.output
     assert "K = 1 in each wind [deg]" in two.output
-    assert "--from 41 --to 116 takes them in" in pulse.output
+    assert "--from 41 --to 116 take them in" in pulse.output
     assert "in each wind" not in pulse.output
 
 

@@ -162,6 +162,13 @@ def test_a_flight_that_is_lost_has_exit_code_one_and_says_so():
     assert "law report, K = 1" in " ".join(result.stdout.split())
 
 
+def test_the_table_of_laws_says_whose_it_is_and_in_which_winds():
+    shown = " ".join(run("--law", "all", "--wind", "triangular", "--peak-deg", 4).stdout.split())
+    title = "Configuration I (260-inch solid booster), drift-exact, winds of 4 deg and 7.5 s, at"
+
+    assert f"{title} nominal dynamic pressure, 100 Hz, delay 0 ms, no actuator Required" in shown
+
+
 @pytest.mark.parametrize(
     ("law", "needs"),  # as `tvclin fly --law all` prints, over B times the peak
     usual(

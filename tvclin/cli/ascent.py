@@ -340,7 +340,8 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     if left_out:
         yield (
             f"flight times {listed(left_out.values())} are left out, for a pulse about them"
-            f" would blow beyond the schedule; {' '.join(left_out)} takes them in"
+            f" would blow beyond the schedule; {' '.join(left_out)}"
+            f" {'takes' if len(left_out) == 1 else 'take'} them in"
         )
     starts, stops = sizing.known_times.T  # first and last time at which each wind is known [s]
     earliest, latest = starts.max(), stops.min()

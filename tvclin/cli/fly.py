@@ -327,13 +327,14 @@ class _Answer:
         name = self.case.vehicle.name or source
         rate = f"{self.rate:g} Hz, delay {1000.0 * self.case.autopilot_design.delay:g} ms"
         limits, *others = limit_tables(self.trials, self.bounds)
+        title = f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {rate}, {engine}"
+        limits = replace(limits, caption=f"{title}\n{limits.caption}")
         notes = (*self._notes, *limit_warnings(self.trials), LEGEND)
 
         def details() -> None:
-            """Print tables below the answer, and lines on vehicle, flight and scan of limits."""
+            """Print tables below the answer, and lines on vehicle and scan of limits."""
             print_tables(*others, load_table(self.trials))
             print_parts(self.plant)
-            say(f"{name}, {self.plant.model}, {winds}, {NOMINAL}, {rate}, {engine}")
             say(scan_text(self.trials))
 
         print_answer(self._verdict, limits, notes=notes, more=more, details=details)

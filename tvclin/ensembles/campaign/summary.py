@@ -294,7 +294,11 @@ class CampaignSummary(Shown):
             _with_name(str(k), self._angle(f"worst.{k}", angle)) for k, angle in self.worst.items()
         ]
         driven = [_with_name(k, (*number(f"driver.{k}", rank, 2),)) for k, rank in drivers]
-        return [*rows, ("driven by", _joined(driven)), ("worst cases", _joined(worst))]
+        return [
+            *rows,
+            ("driven by (rank correlation)", _joined(driven)),
+            ("worst cases", _joined(worst)),
+        ]
 
     def _angle(self, name: str, angle: float) -> Line:
         """Return the text of an angle [rad] of the cases; infinite it is lost, or not known."""
