@@ -430,7 +430,9 @@ def test_flights_of_an_autopilot_say_that_nobody_specified_its_gains(question) -
     assert specified.exit_code < 2, specified.output
 
 
-@pytest.mark.parametrize(("limit", "verdict"), [("0.3", "NOT SURVIVED: "), ("2", "MET: limit")])
+@pytest.mark.parametrize(
+    ("limit", "verdict"), [("0.3", "NOT SURVIVED: "), ("2", "MET: deflection")]
+)
 def test_the_verdict_over_a_flight_says_that_its_vehicle_is_frozen(limit, verdict) -> None:
     flight = ("--over", "flight", "--from", "60", "--to", "60", "--limit-deg", limit)
     first = run(*flight).stdout.partition("\n\n")[0]

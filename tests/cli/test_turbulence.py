@@ -385,8 +385,8 @@ def test_the_data_sheet_counts_turbulence_and_its_travel() -> None:
         for point in calm["points"]
         for time in [point["time_s"]]
     )
-    assert lines["limit"]["required"] == pytest.approx(largest, rel=1e-12)
-    assert lines["rate limit"]["required"] > 1.1 * before["rate limit"]["required"]
+    assert lines["deflection"]["required"] == pytest.approx(largest, rel=1e-12)
+    assert lines["deflection rate"]["required"] > 1.1 * before["deflection rate"]["required"]
     schedule = tv.load_schedule("configuration-i")
     wind = tv.TriangularWind(peak=np.radians(5.0), duration=7.5).shift(60.0 - 3.75)
     even = np.union1d(np.linspace(*schedule.span, 17), [60.0, 65.0, 70.0])
@@ -430,7 +430,7 @@ def test_the_data_sheet_counts_turbulence_of_the_gains_of_another_linear_law(law
     assert computed["turbulence"]["deflection_rms_deg"] == pytest.approx(np.degrees(rms), rel=1e-6)
     added = lines["travel of a flight"] - before["travel of a flight"]
     assert added > 0.8 * np.degrees(flown.travel())
-    assert lines["rate limit"] > before["rate limit"]
+    assert lines["deflection rate"] > before["deflection rate"]
 
 
 @pytest.mark.thorough

@@ -237,7 +237,7 @@ def test_a_flight_that_ends_undecided_is_not_known():
     assert verdict.satisfied is None
     assert verdict.words == "NOT KNOWN: the flight: it is open"
     short = NozzleVerdict.of(NOZZLE, {"limit": 1.5 * DEG}, unknown=["the flight: it is open"])
-    assert short.words.startswith("NOT MET: limit used 1.5 deg")
+    assert short.words.startswith("NOT MET: deflection used 1.5 deg")
 
 
 def test_noise_is_that_of_the_gyro_for_each_sample():
@@ -254,7 +254,7 @@ def test_both_planes_have_their_part_of_the_stop():
     assert np.hypot(pitch.limit, yaw.limit) == pytest.approx(DEG, rel=1e-9)
     assert {pitch.plane, yaw.plane} == {"pitch", "yaw"}
     turned = np.hypot(abs(pitch.duty.angle.value), abs(yaw.duty.angle.value))
-    limit = next(line for line in card.verdict.lines if line.name == "limit")
+    limit = next(line for line in card.verdict.lines if line.name == "deflection")
     assert np.degrees(turned) == pytest.approx(limit.required, rel=0.05)  # both peak together
 
 
@@ -262,11 +262,11 @@ def test_both_planes_have_their_part_of_the_stop():
     ("sheet", "worst", "satisfied"),
     usual(
         [
-            ({}, "limit", True),
-            ({"rate_limit": 0.25 * DEG}, "rate limit", True),
+            ({}, "deflection", True),
+            ({"rate_limit": 0.25 * DEG}, "deflection rate", True),
             ({"acceleration_limit": 1.0 * DEG}, "acceleration", False),
             ({"torque_limit": 1e3}, "torque", False),
-            ({"power_limit": 1e5}, "limit", True),
+            ({"power_limit": 1e5}, "deflection", True),
             ({"travel_limit": 1.2 * DEG}, "travel of a flight", False),
         ],
         1,
@@ -297,10 +297,10 @@ def test_what_a_lost_flight_needs_is_not_known_to_be_there():
     needed = {"limit": 0.9 * DEG, "rate_limit": 11.0 * DEG, "acceleration_limit": 0.0}
     lost = NozzleVerdict.of(NOZZLE, needed, ["trim is lost"])
     computed = {line.name: (line.required, line.satisfied, line.remaining) for line in lost.lines}
-    assert np.isnan(computed["limit"][0])
-    assert computed["limit"][1] is None
+    assert np.isnan(computed["deflection"][0])
+    assert computed["deflection"][1] is None
     assert np.isnan(computed["acceleration"][0])
-    assert computed["rate limit"][1] is False
+    assert computed["deflection rate"][1] is False
     assert lost.satisfied is False
 
 
@@ -308,7 +308,7 @@ def test_a_rate_limit_that_no_angle_mends_is_told_with_the_least_rate():
     card = tv.nozzle.flight_duty(plan(nozzle=replace(NOZZLE, rate_limit=0.05 * DEG)), request())
     assert card.verdict.satisfied is False
     assert "trim is lost at 60 s" in card.verdict.words
-    (rate,) = (line for line in card.verdict.lines if line.name == "rate limit")
+    (rate,) = (line for line in card.verdict.lines if line.name == "deflection rate")
     assert rate.required > max(point.minimum_rate for point in card.points) / DEG
 
 

@@ -43,6 +43,8 @@ from tvclin.vehicle.linear_vehicle import FIXED_PATH
 
 _RELATIVE_TOLERANCE = 1e-12
 """Excess of a requirement, relative to what is available, that counts as rounding."""
+_USED = {"limit": "deflection", "rate_limit": "deflection rate"}
+"""What a nozzle uses of these limits, by their names; of others the label of the limit says it."""
 
 
 def requirements_on_nozzle(
@@ -141,7 +143,7 @@ class NozzleVerdict(Shown):
             minimum, available = item.in_document_unit(required[item.name]), item.value(nozzle)
             if diverged and minimum <= (available or 0.0):
                 minimum = np.nan
-            name, unit = item.title, written(item.suffix)
+            name, unit = _USED.get(item.name, item.title), written(item.suffix)
             lines.append(DataSheetLine(name, unit, required=minimum, available=available))
         return cls(tuple(sorted(lines, key=lambda line: -line.ratio)), diverged, tuple(unknown))
 
