@@ -23,17 +23,6 @@ from tvclin.flights.closed_loop.fly import NozzleFlight
 from tvclin.linear.extremes import Point
 from tvclin.vehicle.vehicle import Vehicle
 
-_STEP_FIELDS = (
-    "at",
-    "angle",
-    "rate",
-    "acceleration",
-    "angle_of_attack",
-    "angular_acceleration",
-    "weights",
-)
-"""Fields of a motion with a number for each step."""
-
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -120,12 +109,17 @@ class Motion:
             return None
         steps = slice(inside[0], inside[-1] + 1)
         ends = slice(steps.start, steps.stop + 1)
+        of_steps = {
+            name: values[steps]
+            for name, values in vars(self).items()
+            if name not in ("times", "deflection", "peak_acceleration")
+        }
         return replace(
             self,
             times=self.times[ends],
             deflection=self.deflection[ends],
             peak_acceleration=largest(self.acceleration[steps], self.at[steps]),
-            **{name: getattr(self, name)[steps] for name in _STEP_FIELDS},
+            **of_steps,
         )
 
 

@@ -156,7 +156,8 @@ def measured_coordinates(plant: Plant) -> UnstableCoordinates:
     """Return the coordinates of the unstable modes of a plant as combinations of measurements.
 
     Attitude, its rate and the flight path angle are the first states of every plant; the left
-    eigenvectors, whose product with the states is the coordinate, are ``(N, 2)`` or ``(N, 3)``.
+    eigenvectors, whose product with the states is the coordinate, are ``(N, 3)``; on a fixed path
+    the last of each is zero.
     `InputError` for a plant without a real unstable pole, and one whose unstable modes include its
     speed, the fourth state.
     """
@@ -166,7 +167,8 @@ def measured_coordinates(plant: Plant) -> UnstableCoordinates:
             f'a law does not measure the speed, which model "{plant.model}" needs; design the law'
             ' on "drift-exact"'
         )
-    return replace(modes, left_eigenvectors=modes.left_eigenvectors[:, :_MEASURED_STATES])
+    rows = np.pad(modes.left_eigenvectors, ((0, 0), (0, 1)))[:, :_MEASURED_STATES]
+    return replace(modes, left_eigenvectors=rows)
 
 
 def rate_limit_angle(plant: Plant, rate_limit: float) -> float:

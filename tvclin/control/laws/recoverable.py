@@ -128,11 +128,10 @@ class RecoverableAttitudeLaw(Law):
         coordinate from which the vehicle can return.
         """
         modes = measured_coordinates(self.plant)
-        # A row of two on a fixed path has a zero for the flight path angle.
-        fast, slow = ([*row.tolist(), 0.0][:3] for row in modes.left_eigenvectors[[0, -1]])
-        slow = slow if modes.ratio else [0.0, 0.0, 0.0]  # ratio of poles, zero with a single mode
-        fast_attitude, fast_rate, fast_path = fast
-        slow_attitude, slow_rate, slow_path = slow
+        fast_attitude, fast_rate, fast_path = modes.left_eigenvectors[0].tolist()
+        # ratio of the poles: zero with a single mode
+        slow = modes.left_eigenvectors[-1] if modes.ratio else np.zeros(3)
+        slow_attitude, slow_rate, slow_path = slow.tolist()
         return LawNumbers(
             leans=True,
             fast_attitude=fast_attitude,

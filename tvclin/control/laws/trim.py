@@ -88,8 +88,7 @@ class TrimLaw(LinearLaw):
         factors of its left eigenvector; on a fixed path the last is zero.
         """
         B = float(self.plant.coefficients.B)
-        row = measured_coordinates(self.plant).left_eigenvectors[0]  # two factors on a fixed path
-        attitude, rate, path = [*row.tolist(), 0.0][:3]
+        attitude, rate, path = measured_coordinates(self.plant).left_eigenvectors[0].tolist()
         return LawNumbers(
             attitude=B * self.gain * attitude,
             attitude_rate=B * self.gain * rate,
