@@ -61,21 +61,16 @@ def solve_with_drift(
 ) -> tuple[FloatArray, BoolArray]:
     """Return z = p y of eq (18) of the report, and whether the iteration converged.
 
-        K1 (1 - e^(K z - L)) - (1 - K) z - kappa [K z + (K z)^2 psi(rho K z)] = 0
-
-    y is the boundary limit of a triangular wind with drift, over static trim, and psi(x) = (e^(-x)
-    - 1 + x)/x^2. `p`: pole times half the duration. `K`: dead band. `kappa`: (b1 - b2)/(beta + b1).
-    `K1`: 1 - kappa. `rho`: b1/beta. All arrays have one shape. L = -ln(2 e^(-p) - e^(-2p)). For b2
-    <= b1 the left side falls from a positive value at z = 0 and is concave, so that it has one
-    root, below p/K and 1/(1 - K), which Newton's method finds inside a bracket.
+    y is the boundary limit of a triangular wind with drift, over static trim; the equation is in
+    `solve_triangular_with_drift`. `p`: pole times half the duration. `K`: dead band. `kappa`: (b1 -
+    b2)/(beta + b1). `K1`: 1 - kappa. `rho`: b1/beta. All arrays have one shape. For b2 <= b1 the
+    left side falls from a positive value at z = 0 and is concave, so that it has one root, below
+    p/K and 1/(1 - K), which Newton's method finds inside a bracket.
     """
     L = _minus_log_R(p)
 
     def residual(z: FloatArray) -> FloatArray:
-        """Return K1 (1 - e^(x - L)) - (1 - K) z - kappa (x + x^2 psi(rho x)), with x = K z.
-
-        It is the left side of eq (18), zero at the solution z.
-        """
+        """Return the left side of eq (18), zero at the solution z."""
         x = K * z
         return -K1 * np.expm1(x - L) - (1.0 - K) * z - kappa * (x + x**2 * psi(rho * x))
 

@@ -105,8 +105,7 @@ def ramped_deflection(
 ) -> FloatArray:
     """Return the minimum deflection [rad] under limits of rate and acceleration, of one pole.
 
-    The motion is a ramp at the full rate and then a constant d, whose mean with the weight p e^(-p
-    t) must be d0. `minimum`: d0 [rad], the minimum deflection without a rate limit, positive.
+    `minimum`: d0 [rad], the minimum deflection without a rate limit, positive.
     `pole`: the unstable pole p [1/s]. `rate`, `acceleration`: their limits r [rad/s] and c
     [rad/s2], which broadcast with `minimum`; both may be infinite. Returned: d of d0 = d f(p d/v)
     f(p v/c), f(x) = (1 - e^-x)/x, v = min(r, sqrt(c d)); infinite where none is sufficient.

@@ -160,11 +160,6 @@ class PlanePair:
         component, poles = (history.pitch, history.yaw)[plane], self.poles[plane]
         return factors[plane] * np.asarray(component.remaining_integral(poles, np.array([t])))[:, 0]
 
-    def decayed(self, vector: Vectors, time: FloatArray) -> Vectors:
-        """Return complex vectors times e^(-p `time` [s]), with the fast pole p of each plane."""
-        pitch, yaw = (np.exp(-p[0] * time) for p in self.poles)
-        return np.asarray(np.real(vector) * pitch + 1j * np.imag(vector) * yaw)
-
     def demand_between(self, s: FloatArray, T: FloatArray) -> ComplexArray:
         """Return the demand [rad] of the wind from `s` to `T` [s], pitch + j yaw; zero for T < s.
 
@@ -172,7 +167,9 @@ class PlanePair:
         of each plane by this wind.
         """
         # less the demand of the wind after T, which has the factor e^(-p (T - s)) at s
-        demand = self.wind_demand(s) - self.decayed(self.wind_demand(T), np.maximum(T - s, 0.0))
+        later, span = self.wind_demand(T), np.maximum(T - s, 0.0)
+        pitch, yaw = (np.exp(-poles[0] * span) for poles in self.poles)
+        demand = self.wind_demand(s) - (np.real(later) * pitch + 1j * np.imag(later) * yaw)
         return np.where(T > s, demand, 0.0)
 
     def moment_driver(self, t: FloatArray) -> Vectors:
@@ -467,31 +464,22 @@ class _Moments:
         decayed = np.exp(-self.poles[:, np.newaxis] * self.edges)
         return self.axes[:, np.newaxis] * (decayed[:, :-1] - decayed[:, 1:])
 
-    @cached_property
-    def nodes(self) -> tuple[Vectors, FloatArray]:
-        """Functions a p e^(-p t) ``(k, m)`` of k poles p at m nodes, and weights ``(m,)`` [s].
+    def norm(self, multipliers: FloatArray) -> float:
+        """Return N(l), the integral of h_S(sum l a p e^(-p t)) over time, by quadrature.
 
-        Their sum with multipliers is the switching function, which `norm` integrates; the axis a of
-        a pole is 1 in pitch and j in yaw. Nodes are Gauss-Legendre points of each cell in
-        x = e^(-p t) of the slowest pole; the last cell, endless in time, ends at x = 0.
+        h_S(v) is the support function of the limit shape S: the largest scalar product of v and a
+        point of S. `multipliers`: l, ``(k,)``, for the k poles p, each with its axis a, 1 in pitch
+        and j in yaw. Nodes are Gauss-Legendre points of each cell in x = e^(-p t) of the slowest
+        pole; the last cell, endless in time, ends at x = 0.
         """
         slow = self.poles.min()
         x = np.exp(-slow * self.edges)
         points, point_weights = np.polynomial.legendre.leggauss(_NODES)
         width = (x[:-1] - x[1:])[:, np.newaxis]
         inside = (x[1:, np.newaxis] + width * (1.0 + points) / 2.0).ravel()
-        weights = (width * point_weights / 2.0).ravel() / (slow * inside)
+        weights = (width * point_weights / 2.0).ravel() / (slow * inside)  # of the nodes [s]
         decay = np.exp(np.outer(self.poles / slow, np.log(inside)))
-        return (self.poles * self.axes)[:, np.newaxis] * decay, weights
-
-    def norm(self, multipliers: FloatArray) -> float:
-        """Return N(l), the integral of h_S(sum l a p e^(-p t)) over time, by quadrature.
-
-        h_S(v) is the support function of the limit shape S: the largest scalar product of v and a
-        point of S. `multipliers`: l, ``(k,)``, for the k poles p, each with its axis a, 1 in pitch
-        and j in yaw.
-        """
-        values, weights = self.nodes  # a p e^(-p t) at the nodes of time, and their weights [s]
+        values = (self.poles * self.axes)[:, np.newaxis] * decay  # a p e^(-p t) at the nodes
         return float(weights @ self.limit_shape.support(multipliers @ values))
 
 

@@ -315,11 +315,6 @@ class Plant(WithCoefficients):
         common = common[..., np.newaxis]
         return [np.where(common, np.roll(term, 1, axis=-1), term) for term in terms]
 
-    @property
-    def direct_terms(self) -> FloatArray | None:
-        """None: `modal` has the outputs completely; a `SystemPlant` adds D times its inputs."""
-        return None
-
     @cached_property
     def modal(self) -> ModalSystem:
         """Plant as a sum of modes e^(p t); gains are NaN where poles are repeated.

@@ -1,13 +1,8 @@
 """Forced response of a plant, exact at any time and on the stability boundary.
 
-The response is decomposed into the modes of the plant (`numerics.modal`). A stable mode is
-propagated from breakpoint to breakpoint. An unstable mode is written as
-
-    z(t) = R e^(p t) - (remaining integral of its inputs),
-
-R being its residue, eq (4b). On the boundary R is zero and the remainder decays, so that nothing is
-lost; integrated forward, the same mode would be the difference of two numbers that grow with e^(p
-t). A residue that is zero within the rounding of its own sum counts as zero.
+The response is decomposed into the modes of the plant. `numerics.modal` says how an unstable mode
+is exact: on the boundary its residue, eq (4b), is zero, and only the remaining integral of its
+inputs stays, which decays. Plants of nearly equal poles take matrix exponentials.
 """
 
 from __future__ import annotations
@@ -172,7 +167,7 @@ def attitude_responses(
     instance("deflection", deflection, History, "such as ConstantDeflection")
     instance("wind", wind, History, "such as TriangularWind")
     shape = broadcast(plant=plant.batch, deflection=deflection.batch, wind=wind.batch)
-    system, labels, direct = plant.modal, plant.outputs, plant.direct_terms
+    system, labels = plant.modal, plant.outputs
     rows = list(range(len(labels)))  # of the outputs
     if outputs is not None:
         if not isinstance(outputs, tuple | list) or not outputs:
@@ -182,9 +177,9 @@ def attitude_responses(
         less_wind = system.less_wind and rows[-1] == len(labels) - 1
         system = replace(system, outputs=system.outputs[..., rows], less_wind=less_wind)
     values, indistinct = modal.responses(system, (deflection.pieces, wind.pieces), times, shape)
-    if direct is not None:  # D times deflection and wind, in the outputs; only of a `SystemPlant`
+    if system.direct is not None:  # only of a `SystemPlant`
         inputs = np.stack(np.broadcast_arrays(deflection(times), wind(times)), axis=-2)
-        values += direct[..., rows, :] @ inputs
+        values += system.direct[..., rows, :] @ inputs
     if indistinct is not None:  # cases with nearly equal poles, without a sum of modes
         flat = values.reshape(-1, *values.shape[-2:])
         for k in map(int, np.flatnonzero(indistinct)):

@@ -363,7 +363,7 @@ class SystemPlant(Plant):
 
     @property
     def modal(self) -> ModalSystem:
-        """The plant as a sum of modes, without its direct terms D; invalid for repeated poles.
+        """The plant as a sum of modes and direct terms D; invalid for repeated poles.
 
         `InputError` for a plant with the inertia of its engine.
         """
@@ -373,19 +373,15 @@ class SystemPlant(Plant):
                 " deflection_acceleration out of the plant"
             )
         gains, outputs = self._modal_matrices  # of each input in a mode, of a mode in each output
-        # the wind in the angle of attack is one of the direct terms, which the caller adds
-        return ModalSystem(self.poles, gains, outputs, less_wind=False)
+        # the wind in the angle of attack is one of the direct terms
+        direct = self._system.D[..., :2]
+        return ModalSystem(self.poles, gains, outputs, less_wind=False, direct=direct)
 
     @property
     def _attitude_residues(self) -> AnyArray:
         """Residues of the attitude at all n poles, for each input, ``(..., n, inputs)``."""
         gains, outputs = self._modal_matrices  # of each input in a mode, of a mode in each output
         return gains * outputs[..., self.outputs.index("attitude"), np.newaxis]
-
-    @property
-    def direct_terms(self) -> FloatArray:
-        """Direct terms of the outputs from deflection and wind, ``(..., outputs, 2)``."""
-        return self._system.D[..., :2]
 
     def attitude_fractions(self, poles: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
         """Return N_deflection(p), N_wind(p) and D'(p) of the attitude at poles, each ``(..., N)``.
@@ -424,7 +420,7 @@ class SystemPlant(Plant):
         sizes = np.where(at_zero, 0.0, np.abs(residues)).sum(axis=-2)
         inverse = np.where(np.abs(inverse) <= _ZERO_POLE * sizes, 0.0, inverse)
         constant = np.real(np.where(at_zero, 0.0, -residues / away).sum(axis=-2))
-        constant = constant + self.direct_terms[..., self.outputs.index("attitude"), :]
+        constant = constant + self._system.D[..., self.outputs.index("attitude"), :2]
         slope = np.real(np.where(at_zero, 0.0, -residues / away**2).sum(axis=-2))
         integrates = np.any(inverse, axis=-1)
         repeated = at_zero.sum(axis=(-2, -1)) > 1

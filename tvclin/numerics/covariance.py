@@ -11,14 +11,9 @@ The states are scaled by powers of two before, so that A h is small and few doub
 A system that varies over a step is replaced by the constant one with the same step to order four,
 Magnus' expansion with two Gauss points (Blanes, Casas, Oteo and Ros, 2009).
 
-Processes y(t) with the mean m and the standard deviation s, the mean m' and the standard deviation
-d of the rate y', and the correlation rho of both:
-
-- E|y'| = d sqrt(2/pi) exp(-mu^2/2) + m' erf(mu/sqrt 2), mu = m'/d;
-- the covariance of two absolute values follows from its second derivative over their correlation
-  r, which is four times their joint density at zero (Price's theorem);
-- Rice's rate of upward crossings of a limit a (Cramer and Leadbetter, 1967): with u = (a - m)/s
-  and e = (m'/d + rho u)/sqrt(1 - rho^2) it is (d/s) sqrt(1 - rho^2) phi(u) (phi(e) + e Phi(e)).
+Gaussian values have absolute values with E|x| = d sqrt(2/pi) exp(-mu^2/2) + m erf(mu/sqrt 2), m
+and d being mean and standard deviation and mu = m/d, and with a covariance by Price's theorem; they
+cross a limit at the rate of Rice's formula (Cramer and Leadbetter, 1967).
 """
 
 from __future__ import annotations

@@ -605,9 +605,8 @@ def rightmost_poles(
     `A`, `B`, `C`: loop without its delay, ``(n, n)``, ``(n,)`` and ``(n,)``; closed by 1 + L = 0.
     `delay`: T [s], positive. `loop`: L with its delay, of complex frequencies ``(m,)`` [1/s].
 
-    The delayed signal is a wave v(t, theta) with dv/dt = dv/dtheta on -T <= theta <= 0, whose
-    values at Chebyshev points are states beside x, with x' = A x + B v(-T) and v(0) = -C x.
-    Its eigenvalues start Newton's method on 1 + L(s); the list ends at the first that moves far.
+    Eigenvalues of the states with the wave of the delayed signal, at Chebyshev points, start
+    Newton's method on 1 + L(s); the list ends at the first that moves far.
     """
     n, wave = len(A), _chebyshev_derivative(_CHEBYSHEV_POINTS) * (2.0 / delay)
     generator = np.zeros((n + _CHEBYSHEV_POINTS, n + _CHEBYSHEV_POINTS))

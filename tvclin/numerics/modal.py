@@ -84,13 +84,15 @@ class ModalSystem:
 
     `poles`: poles [1/s], ``(..., N)``. `gains`: gain of each input in each mode, ``(..., N, 2)``.
     `outputs`: coefficient of each mode in each output, ``(..., N, R)``. `less_wind`: whether the
-    second input, the wind, is subtracted from the last output.
+    second input, the wind, is subtracted from the last output. `direct`: direct terms of the
+    outputs from both inputs, ``(..., R, 2)``, which `responses` omits; None if there are no others.
     """
 
     poles: AnyArray
     gains: AnyArray
     outputs: AnyArray
     less_wind: bool = True
+    direct: FloatArray | None = None
 
 
 def is_unstable(poles: AnyArray) -> BoolArray:

@@ -24,8 +24,6 @@ import numpy as np
 from tvclin.base.arrays import BoolArray, FloatArray
 
 Matrices = tuple[FloatArray, FloatArray, FloatArray, FloatArray]
-DIRECT: Matrices = (np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1)))
-"""Matrices A, B, C, D of a direct connection, without states."""
 
 
 def series(first: Matrices, second: Matrices) -> Matrices:
@@ -94,7 +92,7 @@ def pade_delay(delay: float, order: int) -> Matrices:
     `delay`: T [s]; zero gives a direct connection. `order`: number of poles of P.
     """
     if delay == 0.0:
-        return DIRECT
+        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.ones((1, 1))
     powers = np.arange(order, -1, -1)  # of s T, later of s T/unit, with which the last number is 1
     denominator = np.array([float(comb(order, k) * perm(2 * order - k, order - k)) for k in powers])
     unit = denominator[-1] ** (1.0 / order)

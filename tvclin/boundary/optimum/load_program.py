@@ -35,16 +35,13 @@ _MAX_ITERATIONS_PER_VARIABLE = 50
 class Solution:
     """A deflection that survives, and the lower bound that the prices of its program prove.
 
-    `value`: the minimised peak or load [rad], the load at the nodes alone. `peak`, `load`: the
-    largest size [rad] of the deflection and of its load, between the nodes too. `ends`: deflection
-    [rad] at start and end of each cell, ``(2, n)``. `bound`, `slope`: no deflection has a peak
-    below ``bound - slope * load`` [rad]. `finer`: nodes [s] of a program that may do better.
+    `peak`, `load`: the largest size [rad] of the deflection and of its load, between the nodes too.
+    `bound`, `slope`: no deflection has a peak below ``bound - slope * load`` [rad]. `finer`: nodes
+    [s] of a program that may do better.
     """
 
-    value: float
     peak: float
     load: float
-    ends: FloatArray
     bound: float
     slope: float
     finer: FloatArray
@@ -292,10 +289,8 @@ class LoadProgram:
             prices[rows : 2 * rows] - prices[:rows], result.eqlin.marginals, rate_prices
         )
         return Solution(
-            value=float(result.fun) * self._unit,
             peak=float(np.abs(ends).max()),
             load=float(np.abs(inside).max()),
-            ends=ends,
             bound=lower,
             slope=slope,
             finer=self._finer(ends, inside, bound),

@@ -283,11 +283,6 @@ def minimum_peaks(plant: Plant, wind: History, sufficient: FloatArray | None = N
     proved to be no less than the minimum, it is returned in its place: the search takes a tenth of
     a second. Returned: of the shape of the batch; zero without an unstable pole, and infinite where
     the deflection does not reach one. `InputError` for a wind that is zero or never ends.
-
-    With z_i = p_i d_i of poles p_i and demands d_i, the integrals of e^(-p_i t) times the
-    deflection, eq (C1) of the report: one pole requires ``|z|``, two real ones the peak whose
-    recoverable set has (z_1, z_2) on its edge, eqs (C5) and (C6); a pair the
-    largest lambda . d over the L1 norm of lambda . e, over the directions of lambda.
     """
     instance("plant", plant, Plant, PLANT_HINT)
     instance("wind", wind, History, "such as TriangularWind")
