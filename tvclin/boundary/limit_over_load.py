@@ -276,51 +276,38 @@ class LoadLimits:
         """Load [rad] of the reference deflection, of minimum peak without a load limit."""
         return float(np.abs(self.program.reference_load).max())
 
-    @cached_property
+    @property
     def minimum_load(self) -> float:
-        """Minimum load |alpha + M delta| [rad], M as in `LoadCase`, of controls by linear programs.
+        """Minimum load |alpha + M delta| [rad], M as in `LoadCase`, of computed controls.
 
-        The deflection is not bounded. Without a need of programs it is the floor `load_floor`.
+        The deflection is not bounded.
         """
-        if not self._requires_programs:
-            return self.load_floor
-        load, _ = self._minimum_load
-        return max(load, self.load_floor)  # rounding is not below the floor
-
-    @cached_property
-    def load_floor(self) -> float:
-        """Proved lower bound [rad] of the load |alpha + M delta| of every control; zero if none.
-
-        With M (`case.ratio`) zero the load is the angle of attack, which jumps with the wind: a
-        load before the jump may halve it, except at the onset. A linear program may prove more.
-        """
-        jumped = 0.0
-        if self.case.ratio == 0.0:
-            wind, knots = self.case.wind, self.case.wind.knots
-            jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
-            jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
-        if not self._requires_programs:  # no M, no rate limit, a single unstable mode
-            return jumped if jumped > _NEGLIGIBLE_LOAD * self.load_of_minimum else 0.0
-        _, proved = self._minimum_load
-        return max(jumped, proved)
+        return self._minimum_loads[0]
 
     @property
-    def _requires_programs(self) -> bool:
-        """Whether the minimum load takes linear programs, and is not just a jump of the wind.
-
-        It does with M (`case.ratio`) other than zero, a rate limit, or several unstable modes.
-        """
-        case = self.case
-        return bool(case.ratio or np.isfinite(case.rate) or np.count_nonzero(case.unstable) > 1)
+    def load_floor(self) -> float:
+        """Proved lower bound [rad] of the load |alpha + M delta| of every control; zero if none."""
+        return self._minimum_loads[1]
 
     @cached_property
-    def _minimum_load(self) -> tuple[float, float]:
-        """Minimum load |alpha + M delta| [rad], M as in `LoadCase`, as computed, and lower bound.
+    def _minimum_loads(self) -> tuple[float, float]:
+        """Minimum load |alpha + M delta| [rad], as computed, and its proved lower bound.
 
-        Each of five programs has finer nodes in time. By duality it proves that every control has
-        peak >= bound - slope load (`lines`): a load bound for peaks up to `_MAX_DEFLECTION`.
+        With M (`case.ratio`) zero the load is the angle of attack, which jumps with the wind: a
+        load before the jump may halve it, except at the onset. Without a rate limit and with a
+        single unstable mode that is the minimum. Else it takes up to five linear programs, each of
+        finer nodes in time. By duality each proves that every control has peak >= bound - slope
+        load (`lines`): a load bound for peaks up to `_MAX_DEFLECTION`.
         """
-        loads, proved = [self.load_of_minimum], [0.0]
+        case, jumped = self.case, 0.0
+        if case.ratio == 0.0:
+            wind, knots = case.wind, case.wind.knots
+            jumps = np.abs(wind(knots) - wind(np.nextafter(knots, -np.inf)))
+            jumped = float(np.max(jumps / np.where(knots <= wind.onset, 1.0, 2.0)))
+            if np.isinf(case.rate) and np.count_nonzero(case.unstable) <= 1:
+                jumped = jumped if jumped > _NEGLIGIBLE_LOAD * self.load_of_minimum else 0.0
+                return jumped, jumped
+        loads, proved = [self.load_of_minimum], [jumped]
         program, lowest = self.dense_program, np.inf
         for _ in range(5):
             if (solved := program.solve(LOAD, _MAX_DEFLECTION)) is None:
@@ -333,8 +320,9 @@ class LoadLimits:
             if solved.load > (1.0 - _MIN_LOAD_DECREASE) * lowest or solved.finer.size > _MAX_NODES:
                 break
             lowest = min(lowest, solved.load)
-            program = LoadProgram(self.case, solved.finer)
-        return min(loads), max(proved)
+            program = LoadProgram(case, solved.finer)
+        floor = max(proved)
+        return max(min(loads), floor), floor  # rounding is not below the floor
 
     @property
     def no_forecast_load(self) -> float:
