@@ -341,20 +341,18 @@ def _dead_band_exit(
     onset = np.asarray([float(pair.wind.onset)])
     if K == 0.0:
         return complex(pair.required_constant(onset)[0]), float(onset[0]), OK
-    times = pair.times()
+    times, driver = pair.times(), pair.trim if literal else pair.moment_driver
 
     def margin(t: FloatArray, floor: float = 0.0) -> FloatArray:
-        """Return the margin [rad] of the driver over the dead band at times `t` [s].
+        """Return the margin [rad] of the driver over the dead band at times `t` [s], zero at exit.
 
-        A gauge is the limit [rad] whose shape just contains a deflection. The margin is the gauge
-        of the driver (trim if `literal`, else -B alpha_w, trim without drift), at least `floor`
-        [rad], minus K times the gauge of the constant deflection required from `t` on. It is zero
-        at the exit.
+        It is the driver's gauge, at least `floor` [rad], minus K times the gauge of the constant
+        deflection required from `t` on.
         """
-        driver = limit_shape.gauge(pair.trim(t) if literal else pair.moment_driver(t))
-        return np.maximum(driver, floor) - K * limit_shape.gauge(pair.required_constant(t))
+        required = K * limit_shape.gauge(pair.required_constant(t))
+        return np.maximum(limit_shape.gauge(driver(t)), floor) - required
 
-    heights = limit_shape.gauge(pair.trim(times) if literal else pair.moment_driver(times))
+    heights = limit_shape.gauge(driver(times))
     maxima = np.flatnonzero(heights >= np.maximum.accumulate(heights))  # times of new maxima
     margins = margin(times[maxima])
     inside = np.flatnonzero(margins < -_RELATIVE_ROUNDING * heights.max())  # within the dead band

@@ -427,17 +427,12 @@ class SystemPlant(Plant):
         denominator = np.stack(
             [np.where(integrates & ~repeated, 1.0, 0.0), np.where(integrates, 0.0, 1.0)], axis=-1
         )
-        numerators = [
-            np.stack(
-                [
-                    np.where(integrates, constant[..., i], slope[..., i]),
-                    np.where(integrates, inverse[..., i], constant[..., i]),
-                ],
-                axis=-1,
-            )
-            for i in range(len(INPUTS))
-        ]
-        return [denominator, *numerators]
+        numerators = np.where(  # (..., input, 2)
+            integrates[..., np.newaxis, np.newaxis],
+            np.stack([constant, inverse], axis=-1),
+            np.stack([slope, constant], axis=-1),
+        )
+        return [denominator, *np.moveaxis(numerators, -2, 0)]
 
     @cached_property
     def denominator(self) -> FloatArray:
