@@ -224,32 +224,4 @@ def test_only_two_real_unstable_poles_have_a_validity():
     assert np.isnan(result[1:]).all()
 
 
-NUMBERS = {"beta1": 0.01, "beta2": 0.5, "K1_ratio": 1.0}
-
-
-@pytest.mark.parametrize("call", [longest_single_pole_duration, duration_without_fast_pole])
-@pytest.mark.parametrize("name", NUMBERS)
-def test_numbers_that_are_not_positive_or_do_not_fit_are_refused(call, name):
-    with pytest.raises(tvclin.InputError, match=f"^{name} must be positive"):
-        call(**NUMBERS | {name: -0.1})
-    with pytest.raises(tvclin.InputError, match="broadcast"):
-        call(**NUMBERS | {"beta1": [0.01, 0.02], "K1_ratio": [1.0, 1.0, 1.0]})
-
-
-def test_arguments_of_the_approximations_are_checked():
-    with pytest.raises(tvclin.InputError, match="^y must be positive"):
-        early_switch(0.0, 0.1)
-    for y in (np.nan, "x", [0.5, 0.6]):
-        with pytest.raises(tvclin.InputError, match="^y must be"):
-            switch_variable(y, 0.1)
-    for call in (switch_variable, early_switch):
-        for ratio in (0.0, -0.1):
-            with pytest.raises(tvclin.InputError, match="^ratio must be positive"):
-                call(0.5, ratio)
-        with pytest.raises(tvclin.InputError, match="ratio must be below 1"):
-            call(0.5, 1.0)
-    with pytest.raises(tvclin.InputError, match="broadcast"):
-        early_switch([0.1, 0.2], [0.1, 0.2, 0.3])
-
-
 # ---- any number of poles -------------------------------------------------------------------

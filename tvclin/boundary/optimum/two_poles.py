@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tvclin.base.arrays import FloatArray, IndexArray
-from tvclin.base.errors import InputError, number, plain, positive, together
+from tvclin.base.errors import plain
 from tvclin.linear.modes import unstable_modes
 from tvclin.linear.plant import Plant
 from tvclin.numerics.searches import roots_between
@@ -90,24 +90,19 @@ def switch_variable(y: float, ratio: float) -> float:
     >>> round(switch_variable(10.0, 0.1), 5)
     0.5441
     """
-    y, ratio = number("y", y), number("ratio", _checked_ratio(ratio))
     return float(np.exp(-switch_time((ratio, 1.0), (y / ratio, 1.0))))
 
 
-def early_switch(y: ArrayLike, ratio: ArrayLike) -> Any:
+def early_switch(y: FloatArray, ratio: float) -> FloatArray:
     """Return the approximation of x = e^(-beta2 t_s), t_s being the switch time, for a large y.
 
         x = (y - 1 + 2^(1 - r))/(2 y)
 
-    `y`: beta1 D1/(beta2 D2), positive, of slow pole beta1, fast pole beta2 [1/s] and demands D1 and
-    D2 [rad s] of eq (C1). `ratio`: r = beta1/beta2, slow pole over fast, below 1. It follows from
-    one step of eq (C6) of the report, 2 x^r - 2 x y = 1 - y, at x = 1/2; printed is (y - 1)/(2y),
-    which is too small. For y -> infinity the peak goes to beta1 D1/(2^(1 - r) - 1). `InputError`
-    for values outside.
+    `y`, `ratio`: as in `switch_variable`, y positive. It follows from one step of eq (C6) of the
+    report at x = 1/2; printed is (y - 1)/(2y), which is too small. For y -> infinity the peak goes
+    to beta1 D1/(2^(1 - r) - 1).
     """
-    y, r = positive("y", y), _checked_ratio(ratio)
-    together(y=y, ratio=r)
-    return plain(np.asarray((y - 1.0 + 2.0 ** (1.0 - r)) / (2.0 * y)))
+    return (y - 1.0 + 2.0 ** (1.0 - ratio)) / (2.0 * y)
 
 
 def longest_single_pole_duration(
@@ -130,12 +125,12 @@ def longest_single_pole_duration(
     >>> round(longest_single_pole_duration(0.01, 0.5), 3)
     30.479
     """
-    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)  # beta1 and beta2 as arrays
-    shape = np.broadcast_shapes(b1.shape, b2.shape, K.shape)
+    b1, b2, K = np.broadcast_arrays(beta1, beta2, K1_ratio)
     reached = (b1 < K * b2) & (K * b1 < b2)  # y is 1 at some duration
     # y is larger than without the fast pole's exponential, eq (C9): its root comes no later
     latest = np.where(reached, duration_without_fast_pole(b1, b2, np.where(reached, K, 1.0)), 1.0)
-    b1, b2, K, latest = (np.broadcast_to(a, shape).ravel() for a in (b1, b2, K, latest))
+    shape, latest = b1.shape, np.ravel(latest)
+    b1, b2, K = b1.ravel(), b2.ravel(), K.ravel()
 
     def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
         """Return sqrt(y) - 1 by eq (C8) for durations `tau` [s] of the vehicles with indices `k`.
@@ -147,7 +142,7 @@ def longest_single_pole_duration(
         return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)
 
     duration = roots_between(latest * 1e-12, latest * (1.0 + 1e-9), excess).reshape(shape)
-    return plain(np.where(np.broadcast_to(reached, shape), duration, np.nan))
+    return plain(np.where(reached, duration, np.nan))
 
 
 def duration_without_fast_pole(
@@ -166,7 +161,7 @@ def duration_without_fast_pole(
     >>> round(duration_without_fast_pole(0.01, 0.5), 3)
     30.495
     """
-    b1, b2, K = _checked_poles(beta1, beta2, K1_ratio)
+    b1, b2, K = np.broadcast_arrays(beta1, beta2, K1_ratio)
     root = np.sqrt(b1 / (K * b2))
     reached = root < 1.0
     return plain(np.where(reached, -2.0 / b1 * np.log1p(-np.where(reached, root, 0.0)), np.nan))
@@ -208,22 +203,3 @@ def single_pole_validity(coefficients: Coefficients) -> Any:
     usable &= ratio > 0.0
     duration = longest_single_pole_duration(slow, fast, np.where(usable, ratio, 1.0))
     return plain(np.where(usable, duration, np.nan))
-
-
-def _checked_poles(beta1: Any, beta2: Any, K1_ratio: Any) -> tuple[Any, Any, Any]:
-    """Return slow pole `beta1`, fast pole `beta2` [1/s] and `K1_ratio` as positive float arrays.
-
-    `K1_ratio`: drift factor K1 at the slow pole over that at the fast pole.
-    """
-    b1, b2 = positive("beta1", beta1, "1/s"), positive("beta2", beta2, "1/s")
-    K = positive("K1_ratio", K1_ratio)
-    together(beta1=b1, beta2=b2, K1_ratio=K)
-    return b1, b2, K
-
-
-def _checked_ratio(ratio: ArrayLike) -> FloatArray:
-    """Return the ratio of slow to fast pole as a float array, between 0 and 1."""
-    r = positive("ratio", ratio)
-    if np.any(r >= 1.0):
-        raise InputError(f"ratio must be below 1, slow pole over fast; got {r.max():.6g}")
-    return r
