@@ -8,7 +8,9 @@ its mode. docs/flexible.md derives the terms.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,6 +22,7 @@ from tvclin.vehicle.vehicle import Vehicle
 
 _MIN_MASS_EIGENVALUE = 1e-12
 """Smallest eigenvalue of a mass matrix scaled to a unit diagonal; rounding is 1e-15."""
+_Rows = Callable[..., FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,13 +59,13 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     without a positive axial acceleration.
     """
     shape = broadcast(vehicle=vehicle.batch, structure=structure.batch)
-    rows = _AmplitudeRows(shape, bodies=2 + len(structure.bending), tanks=len(structure.slosh))
+    rows = partial(_amplitude_row, shape, structure)
     mass, damping, stiffness = _mass_damping_stiffness(vehicle, structure, rows)
     per_deflection, per_acceleration = _engine_forces(vehicle, structure, rows, mass)
     modes = structure.bending
     # at the centre of pressure, for a unit of translation, rotation and each mode
-    displacements = rows.of(1.0, vehicle.aerodynamic_arm, *(b.pressure_displacement for b in modes))
-    slope = rows.of(vehicle.normal_force_slope)[..., :1]  # N with the batch axes, ``(..., 1)``
+    displacements = rows(1.0, vehicle.aerodynamic_arm, *(b.pressure_displacement for b in modes))
+    slope = rows(vehicle.normal_force_slope)[..., :1]  # N with the batch axes, ``(..., 1)``
     # forces per deflection, per its second derivative and per angle of attack
     per_input = (per_deflection, per_acceleration, slope * displacements)
     forces = [force[..., np.newaxis] for force in per_input]
@@ -81,31 +84,20 @@ def motions(vehicle: Vehicle, structure: Structure) -> Motions:
     )
 
 
-@dataclass(frozen=True)
-class _AmplitudeRows:
-    """Layout of the numbers of all motions in rows ``(..., n)``: the bodies, then the liquids.
+def _amplitude_row(shape: tuple[int, ...], structure: Structure, *values: Any) -> FloatArray:
+    """Return the row ``(..., n)`` of numbers, one for each motion; the last may be omitted.
 
-    `batch`: leading axes. `bodies`: number of translation, rotation and bending modes. `tanks`:
-    number of liquids.
+    `shape`: leading axes. `values`: of translation, rotation, bending modes, then liquids; omitted
+    ones are zero.
     """
-
-    batch: tuple[int, ...]
-    bodies: int
-    tanks: int
-
-    def of(self, *values: Any) -> FloatArray:
-        """Return the row ``(..., n)`` of numbers, one for each motion; the last may be omitted.
-
-        `values`: of translation, rotation, bending modes, then liquids; omitted ones are zero.
-        """
-        row = np.zeros((*self.batch, self.bodies + self.tanks))
-        for k, value in enumerate(values):
-            row[..., k] = value
-        return row
+    row = np.zeros((*shape, 2 + len(structure.bending) + len(structure.slosh)))
+    for k, value in enumerate(values):
+        row[..., k] = value
+    return row
 
 
 def _mass_damping_stiffness(
-    v: Vehicle, structure: Structure, rows: _AmplitudeRows
+    v: Vehicle, structure: Structure, rows: _Rows
 ) -> tuple[FloatArray, ...]:
     """Return the matrices M, C and K of the amplitudes, ``(..., n, n)``, K with the axial forces.
 
@@ -113,34 +105,32 @@ def _mass_damping_stiffness(
     phi_b there of the motion b; in K its weight under the axial acceleration a turns the vehicle,
     -m_j a sigma_b, with the slope sigma_b there, and the axial forces turn with the body.
 
-    `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes, translation,
-    rotation, bending modes, then liquids; its `of` fills omitted last ones with zeros.
+    `v`, `structure`: vehicle and structure. `rows`: `_amplitude_row` of their shape.
     """
-    modes, tanks, bodies = structure.bending, structure.slosh, rows.bodies
+    modes, tanks = structure.bending, structure.slosh
+    bodies = 2 + len(modes)  # translation, rotation and modes
     a = axial_acceleration(v)
-    inertias = rows.of(
+    inertias = rows(
         v.mass,
         v.moment_of_inertia,
         *(mode.modal_mass for mode in modes),
         *(tank.mass for tank in tanks),
     )
-    frequency = rows.of(
+    frequency = rows(
         0.0, 0.0, *(mode.frequency for mode in modes), *(tank_frequency(tank, a) for tank in tanks)
     )
-    zeta = rows.of(0.0, 0.0, *(mode.damping for mode in modes), *(tank.damping for tank in tanks))
-    diagonal = np.eye(bodies + rows.tanks)
+    zeta = rows(0.0, 0.0, *(mode.damping for mode in modes), *(tank.damping for tank in tanks))
+    diagonal = np.eye(bodies + len(tanks))
     mass = inertias[..., np.newaxis] * diagonal
-    damping_terms = 2.0 * zeta * frequency * inertias + rows.of(0.0, v.pitch_damping)
+    damping_terms = 2.0 * zeta * frequency * inertias + rows(0.0, v.pitch_damping)
     damping = damping_terms[..., np.newaxis] * diagonal
     stiffness = (frequency**2 * inertias)[..., np.newaxis] * diagonal
     # A tank at x_j: M[b,j] = m_j phi_b(x_j) and K[b,j] = -m_j a sigma_b(x_j), both symmetric.
     for k, tank in enumerate(tanks):
-        phi = rows.of(
-            1.0, tank.station, *(_tank_value(mode.tank_displacements, k) for mode in modes)
-        )
-        sigma = rows.of(0.0, 1.0, *(_tank_value(mode.tank_slopes, k) for mode in modes))
+        phi = rows(1.0, tank.station, *(_tank_value(mode.tank_displacements, k) for mode in modes))
+        sigma = rows(0.0, 1.0, *(_tank_value(mode.tank_slopes, k) for mode in modes))
         for matrix, factor, row in ((mass, tank.mass, phi), (stiffness, -tank.mass * a, sigma)):
-            coupling = rows.of(*(factor * row[..., b] for b in range(bodies)))[..., :bodies]
+            coupling = rows(*(factor * row[..., b] for b in range(bodies)))[..., :bodies]
             matrix[..., :bodies, bodies + k] = matrix[..., bodies + k, :bodies] = coupling
     # Forces on translation 0 and moments on rotation 1: the body axis turns T - F_A; a following
     # thrust turns with the bent gimbal, and acts there.
@@ -153,32 +143,33 @@ def _mass_damping_stiffness(
 
 
 def _engine_forces(
-    v: Vehicle, structure: Structure, rows: _AmplitudeRows, mass: FloatArray
+    v: Vehicle, structure: Structure, rows: _Rows, mass: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the forces per deflection and per its second derivative, ``(..., n)`` each.
 
     T_c phi_b delta + (s_E phi_b - J_E sigma_b) delta'' - s_E a sigma_b delta, on the motion b with
     displacement phi_b and slope sigma_b at the gimbal: T_c control force per angle [N/rad], a axial
     acceleration, s_E = m_E l_E static moment and J_E = I_E + m_E l_E^2 inertia of the engine about
-    the gimbal. `v`, `structure`: vehicle and structure. `rows`: layout of the n amplitudes. `mass`:
-    mass matrix, ``(..., n, n)``; `InputError` unless it is positive definite with the engine's.
+    the gimbal. `v`, `structure`: vehicle and structure. `rows`: `_amplitude_row` of their shape.
+    `mass`: mass matrix, ``(..., n, n)``; `InputError` unless it is positive definite with the
+    engine's.
     """
     modes, engine = structure.bending, structure.engine
     # of translation, rotation about the centre of gravity, the control arm ahead, and modes
     phi = [1.0, -v.control_arm, *(mode.gimbal_displacement for mode in modes)]
     sigma = [0.0, 1.0, *(mode.gimbal_slope for mode in modes)]
-    deflection = rows.of(*(v.control_force * displacement for displacement in phi))
+    deflection = rows(*(v.control_force * displacement for displacement in phi))
     if engine is None:
-        return deflection, rows.of()
+        return deflection, rows()
     s, J = engine.static_moment, engine.inertia_about_gimbal
     a = axial_acceleration(v)
-    deflection -= rows.of(*(s * a * slope for slope in sigma))
-    inertia_forces = rows.of(
+    deflection -= rows(*(s * a * slope for slope in sigma))
+    inertia_forces = rows(
         *(s * displacement - J * slope for displacement, slope in zip(phi, sigma, strict=True))
     )
     # the mass matrix of vehicle and engine, delta being one more motion: checked, not returned
     coupling = inertia_forces[..., np.newaxis]
-    inertia = rows.of(J)[..., :1, np.newaxis]
+    inertia = rows(J)[..., :1, np.newaxis]
     _diagonal_scaling(np.block([[mass, -coupling], [-np.swapaxes(coupling, -1, -2), inertia]]))
     return deflection, inertia_forces
 
