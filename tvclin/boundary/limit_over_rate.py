@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -466,16 +465,8 @@ class _Case:
             return p * self.fast_deflection
         return -c / p * float(np.log1p(-(p**2) * self.fast_deflection / c))
 
-    @cached_property
-    def deflection(self) -> Callable[[float], float]:
-        """Minimum deflection [rad] at a rate limit, the wind known; infinite if none suffices.
-
-        Function of the rate limit [rad/s], which computes each rate once.
-        """
-        return cache(self._deflection)
-
-    def _deflection(self, rate: float) -> float:
-        """Return the minimum deflection [rad] at a rate limit [rad/s], the wind known; uncached."""
+    def deflection(self, rate: float) -> float:
+        """Return the minimum deflection [rad] at a rate limit [rad/s], the wind known, or inf."""
         d = self.single_pole_deflection(rate)  # [rad], from the fastest pole alone
         # nothing is required, no deflection is sufficient, or the other pole requires no more
         if self.minimum == 0.0 or np.isinf(d) or self._decided_by_one_pole(d, rate):
