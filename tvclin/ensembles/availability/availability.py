@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -255,30 +255,27 @@ def unmeasured_notes(judge: Judge, soundings: Soundings) -> list[str]:
     ]
 
 
-def _interval_notes(judge: Judge, times: FloatArray) -> list[str]:
-    """Return notes on intervals of the flight that are not judged, or judged separately.
+def _interval_notes(judge: Judge, times: FloatArray) -> Iterator[str]:
+    """Yield notes on intervals of the flight that are not judged, or judged separately.
 
     `times`: first and last time [s] of the judged interval of the flight `judge.flight` in each
-    sounding, ``(n, 2)``; NaN where a sounding is not judged. `judged.marches` has the equations of
-    the planes with an unstable mode, and is empty if no mode is unstable at any time.
+    sounding, ``(n, 2)``; NaN where a sounding is not judged. `judge.marches` is empty if no
+    mode is unstable at any time.
     """
     flight, (first, last) = judge.flight, judge.flight.span
-    notes, judged = [], judge.interval  # the interval with an unstable mode
-    begin, end = judged.path.time[0], judged.path.time[-1]
+    begin, end = judge.judged_path.time[[0, -1]].tolist()  # with an unstable mode
     changes = [interval.span[0] for interval in flight.one_sign_intervals[1:]]
     changes_text = ", ".join(f"{change:.4g}" for change in changes if change < end)
-    if changes_text and judged.marches:
-        notes.append(
+    if changes_text and judge.marches:
+        yield (
             f"the aerodynamic moment changes its sign at {changes_text} s: flights of the trim law"
             " through all of the wind decide"
         )
-    if any(march.motion.has_pair(begin, end) for march in judged.marches.values()):
-        notes.append(f"two unstable poles are a pair or equal for a while; K = 1 {WHOLE_TRIM}")
-    stable = end if judged.marches else first  # time from which on no mode is unstable
+    if any(march.motion.has_pair(begin, end) for march in judge.marches.values()):
+        yield f"two unstable poles are a pair or equal for a while; K = 1 {WHOLE_TRIM}"
+    stable = end if judge.marches else first  # time from which on no mode is unstable
     if stable < last:
-        notes.append(
-            f"from {stable:.4g} to {last:.4g} s no mode is unstable: no deflection is required"
-        )
+        yield (f"from {stable:.4g} to {last:.4g} s no mode is unstable: no deflection is required")
     late, early = times[:, 0] > first, times[:, 1] < last
     where = []
     if np.any(late):
@@ -287,25 +284,23 @@ def _interval_notes(judge: Judge, times: FloatArray) -> list[str]:
         where.append(f"from {flight.altitude_text(times[early, 1].min())} on")
     if where:
         count, limit = int(np.sum(late | early)), np.degrees(MAX_LINEAR_ANGLE)
-        notes.append(
+        yield (
             f"{' and '.join(where)} the wind angle of {count} of {len(times)} soundings exceeds"
             f" {limit:.3g} deg, beyond linear aerodynamics: the remaining interval of the flight"
             " is judged"
         )
-    return notes
 
 
-def _season_notes(soundings: Soundings, reasons: list[str]) -> list[str]:
-    """Return a note where the judged soundings are of fewer than `_MIN_YEARS` years.
+def _season_notes(soundings: Soundings, reasons: list[str]) -> Iterator[str]:
+    """Yield a note where the judged soundings are of fewer than `_MIN_YEARS` years.
 
     `reasons`: reason why a sounding is not judged, ``(n,)``; empty for a judged one.
     """
     judged = np.array([not reason for reason in reasons], dtype=bool)
     years = np.unique(soundings.years[judged & (soundings.years > 0)]).size
-    if not 0 < years < _MIN_YEARS:
-        return []
-    seasons = "one season" if years == 1 else "two seasons"
-    return [f"the soundings are of {seasons}: other years may be windier than the intervals say"]
+    if 0 < years < _MIN_YEARS:
+        seasons = "one season" if years == 1 else "two seasons"
+        yield f"the soundings are of {seasons}: other years may be windier than the intervals say"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

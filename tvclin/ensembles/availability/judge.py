@@ -66,18 +66,6 @@ class Requirements:
 
 
 @dataclass(frozen=True, eq=False)
-class FlightInterval:
-    """Interval of a flight that is judged, up to the end of `FlightMode.until_stable`.
-
-    `path`: its heights and speeds. `marches`: its equations by plane, for planes with an unstable
-    mode.
-    """
-
-    path: FlightPath
-    marches: dict[str, PlaneMarch]
-
-
-@dataclass(frozen=True, eq=False)
 class Judge:
     """A flight in one or both planes, ready for any wind.
 
@@ -89,8 +77,10 @@ class Judge:
         Its arrays over height.
     additions : Additions
         Growth and gust on top of the winds.
-    interval : FlightInterval
-        The interval that is judged.
+    judged_path : FlightPath
+        The interval of it that is judged, up to the end of `FlightMode.until_stable`.
+    marches : dict of str to PlaneMarch
+        Equations of that interval by plane, for planes with an unstable mode.
     planes : tuple of str
         Planes of the motion.
     azimuths : ndarray
@@ -104,7 +94,8 @@ class Judge:
     flight: FlightSchedule
     path: FlightPath
     additions: Additions
-    interval: FlightInterval
+    judged_path: FlightPath
+    marches: dict[str, PlaneMarch]
     planes: tuple[str, ...]
     azimuths: FloatArray
     limit_shape: str
@@ -134,11 +125,13 @@ class Judge:
         or None. Same exceptions as `FlightMode` and `FlightPath`.
         """
         planes, path = PLANES if plane == BOTH else (plane,), FlightPath.of(flight, pressure)
+        judged_path, marches = _judged_interval(flight, model, planes, pressure)
         return cls(
             flight=flight,
             path=path,
             additions=Additions(growth, gust, gust_speed),
-            interval=_judged_interval(flight, model, planes, pressure),
+            judged_path=judged_path,
+            marches=marches,
             planes=planes,
             azimuths=azimuths,
             **options,
@@ -372,16 +365,16 @@ class Judge:
         `within`: heights [m] between which soundings are judged, ``(n, 2)``. `a`: index of the
         azimuth. `strong`: whether a wind that is not known is strong, or calm.
         """
-        azimuth, interval = float(self.azimuths[a]), self.interval
-        first, last = interval.path.height[[0, -1]]
+        azimuth, path = float(self.azimuths[a]), self.judged_path
+        first, last = path.height[[0, -1]]
         low, high = np.clip(within, first, last).T[..., np.newaxis]  # (n, 1) each
-        height = np.clip(soundings.breakpoints(interval.path, strong), low, high)
+        height = np.clip(soundings.breakpoints(path, strong), low, high)
         speeds = {  # calm where nothing of the interval is judged
             plane: (low < high) * soundings.interpolated(soundings.wind(azimuth, plane), height)
             for plane in PLANES
         }
-        along = PolylineWinds(np.interp(height, interval.path.height, interval.path.time), speeds)
-        for plane, march in interval.marches.items():
+        along = PolylineWinds(np.interp(height, path.height, path.time), speeds)
+        for plane, march in self.marches.items():
             p = self.planes.index(plane)
             for sign, winds in self._of_signs(along, plane, soundings, height, strong):
                 for with_gust in march.with_gusts(winds, sign, self.additions):
@@ -419,22 +412,22 @@ class Judge:
 @lru_cache(maxsize=8)
 def _judged_interval(
     flight: FlightSchedule, model: str, planes: tuple[str, ...], pressure: bool
-) -> FlightInterval:
-    """Return the judged interval of a flight, up to the last interval with an unstable mode.
+) -> tuple[FlightPath, dict[str, PlaneMarch]]:
+    """Return the judged interval of a flight, up to the last one with an unstable mode.
 
-    `model`: its linear model. `planes`: planes of the motion, of which the later end counts.
-    `pressure`: whether winds count with the dynamic pressure that they cause. Without an unstable
-    mode it is the whole flight, and no plane has equations to march winds along. Both planes take
-    the time steps of the plane with the fastest mode. Cached by its arguments.
+    With its equations by plane. `model`: its linear model. `planes`: planes of the motion, of which
+    the later end counts. `pressure`: whether winds count with the dynamic pressure that they cause.
+    Without an unstable mode it is the whole flight, and no plane has equations to march winds
+    along. Both planes take the time steps of the plane with the fastest mode. Cached by its
+    arguments.
     """
     modes = [FlightMode(flight, model, plane, flight.span) for plane in planes]
     # flights up to the end of their last interval with an unstable mode, by plane
     unstable = [mode.until_stable for mode in modes if mode.unstable]
     if not unstable:
-        return FlightInterval(FlightPath.of(flight, pressure), marches={})
+        return FlightPath.of(flight, pressure), {}
     judged = max((mode.schedule for mode in unstable), key=lambda schedule: schedule.span[1])
     motions = [FlightMode(judged, model, mode.plane, judged.span) for mode in unstable]
     fastest = max(motions, key=lambda motion: motion.fastest.max())
     path = FlightPath.of(judged, pressure)
-    marches = {mode.plane: PlaneMarch(path, mode.plane, mode, fastest) for mode in motions}
-    return FlightInterval(path, marches)
+    return path, {mode.plane: PlaneMarch(path, mode.plane, mode, fastest) for mode in motions}

@@ -152,7 +152,10 @@ def placed_in_planes(
             placed = {planes[0]: place(wind, vehicle, time, placing, window)}
         else:
             placed = place_vector(wind, vehicle, time, placing, window)
-        checked_linear(peak_angle(placed))
+        winds = {plane: x.history for plane, x in placed.items() if not x.calm}
+        # in both planes the angle of the vector
+        whole = [PlaneWind(**winds)] if len(winds) == len(PLANES) else winds.values()
+        checked_linear(max((abs(float(wind.peak)) for wind in whole), default=0.0))
         return placed
     except NotKnownError as error:
         calm = TriangularWind(peak=1.0, duration=1.0) * 0.0
@@ -198,17 +201,6 @@ def encountered_winds(
             at_peak = at_pressure(vehicle, ratio) if direction == "head" else vehicle
             # a head wind is negative, whatever the sign of the specified peak
             yield direction, at_peak, wind * float(SIGNS[direction] * np.sign(angle))
-
-
-def peak_angle(placed: Mapping[str, PlacedWind]) -> float:
-    """Return the largest size [rad] of the wind angle; with both planes, of its vector.
-
-    `placed`: placed wind of each plane.
-    """
-    winds = {plane: x.history for plane, x in placed.items() if not x.calm}
-    if len(winds) < len(PLANES):
-        return max((abs(float(history.peak)) for history in winds.values()), default=0.0)
-    return float(PlaneWind(**winds).peak)
 
 
 def angle_at(placed: Mapping[str, PlacedWind], time: float) -> float:
