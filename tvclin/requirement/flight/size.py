@@ -431,22 +431,22 @@ def _frozen(inputs: _Inputs, placed: list[list[PlacedWind]]) -> Iterator[FrozenR
             yield next(requirements)
 
 
-def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> list[str]:
-    """Return a message where dead bands are defined only with frozen parameters.
+def _missing(required: dict[Requirement, FloatArray], bands: FloatArray) -> Iterator[str]:
+    """Yield a message where dead bands are defined only with frozen parameters.
 
     `required`: each requirement [rad] at n flight times in m winds. `bands`: dead bands K.
     """
     for K in bands:
         frozen, along = (required[Requirement(dead_band=K, varying=x)] for x in (False, True))
         if np.any(np.isnan(along) & ~np.isnan(frozen)):
-            return ["a wind changes its sign: dead bands below 1, varying, are not defined then"]
-    return []
+            yield "a wind changes its sign: dead bands below 1, varying, are not defined then"
+            return
 
 
 def _without_exit(
     mode: FlightMode, times: FloatArray, placed: list[list[PlacedWind]], bands: FloatArray
-) -> list[str]:
-    """Return messages on winds in which the whole of trim counts, as the dead band has no exit.
+) -> Iterator[str]:
+    """Yield messages on winds in which the whole of trim counts, as the dead band has no exit.
 
     It has none where two poles are a pair, or the aerodynamic moment changes its sign. `mode`:
     unstable mode. `times`: flight times [s] of the rows of winds in `placed`. `bands`: all K.
@@ -455,19 +455,17 @@ def _without_exit(
     rows = list(zip(times.tolist(), spans, strict=True))
     paired = [time for time, row in rows if any(mode.has_pair(*span) for span in row)]
     at = [time for time, row in rows if not all(mode.has_exit(*span) for span in row)]
-    messages = []
     if paired:
-        messages.append(
+        yield (
             f"at {flight_times(paired)}, parameters varying: two unstable poles are a pair or equal"
             f" during a wind; K = 1 then {WHOLE_TRIM}"
         )
     if at and np.any(bands < 1.0):
-        messages.append(
+        yield (
             f"at {flight_times(at)}, parameters varying: with such poles, or where the aerodynamic"
             " moment changes its sign, K < 1 requires the largest trim over K, so that the dead"
             " band has no exit"
         )
-    return messages
 
 
 def _varying_requirements(
