@@ -51,7 +51,7 @@ def test_json_and_csv_are_what_the_library_says(station, tmp_path) -> None:
     assert "Judged from 41 to 116 s of the flight" in said
     assert "pitch: 20 soundings of ZZM00088801 from 2023-02-24 to 2023-03-05 Judged" in said
     assert "With 95 % confidence the fraction of all such days lies in the interval" in said
-    assert "is judged for this limit alone: lower_deg and upper_deg" in said
+    assert "is judged for the given limit alone: lower_deg and upper_deg" in said
 
 
 def test_options_of_the_command_complete_the_keys_that_are_set(tmp_path) -> None:

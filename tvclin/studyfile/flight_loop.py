@@ -229,46 +229,34 @@ class FlightLoop:
         `cases`: winds, each with a direction: head, tail, frozen, or None where the wind has its
         own. The flights of all pulses are computed together, and of all soundings.
         """
+        plane, rate_limit = self.plan.plane, self.plan.hardware["rate_limit"]
+        in_planes = self.plan.planes == BOTH
         for _is_pulse, group in groupby(cases, lambda case: case[0].start is not None):
-            if self.plan.planes == BOTH:
-                yield from (self._flown_in_planes(*case, limit) for case in group)
-                continue
-            plane, flights = self.plan.plane, []
+            flights = []
             for case, direction in group:
-                wind: Any = case.wind  # in one plane
-                flights.append(
-                    checked_flight(
+                wind: Any = case.wind  # in one plane, or in both
+                if in_planes:
+                    yield fly_planes_along(
                         self.flight,
-                        self.sampled[plane],  # the autopilot over the flight, with its samples
-                        wind_along(self.flight, wind, plane, direction, case.gust_time),
+                        self.sampled,  # the autopilot over the flight by plane, with its samples
+                        wind,
+                        deflection_limit=limit,
+                        rate_limit=rate_limit,
+                        limit_shape=self.plan.nozzle.limit_shape or "round",
+                        sign=direction,
+                        gust_time=case.gust_time,
                         start=case.start,
                         stop=case.stop,
                         model=self.model,
-                        plane=plane,
                     )
+                    continue
+                along = wind_along(self.flight, wind, plane, direction, case.gust_time)
+                law, ends = self.sampled[plane], (case.start, case.stop)
+                flights.append(
+                    checked_flight(self.flight, law, along, *ends, model=self.model, plane=plane)
                 )
-            yield from sampled_outputs(flights, limit, self.plan.hardware["rate_limit"])
-
-    def _flown_in_planes(self, case: _Wind, pressure: str | None, limit: float) -> FlightAlong:
-        """Return the flight in both planes through a wind, with a deflection limit [rad].
-
-        `case`: wind in both planes. `pressure`: "frozen" for the nominal dynamic pressure; None for
-        that encountered in the wind, whose own direction says it.
-        """
-        assert isinstance(case.wind, PlaneWind | MeasuredPlanes)
-        return fly_planes_along(
-            self.flight,
-            self.sampled,  # the autopilot over the flight by plane, with its samples
-            case.wind,
-            deflection_limit=limit,
-            rate_limit=self.plan.hardware["rate_limit"],
-            limit_shape=self.plan.nozzle.limit_shape or "round",
-            sign=pressure,
-            gust_time=case.gust_time,
-            start=case.start,
-            stop=case.stop,
-            model=self.model,
-        )
+            if flights:
+                yield from sampled_outputs(flights, limit, rate_limit)
 
     def use(
         self,
