@@ -193,6 +193,8 @@ class Judge:
         upper bound, and if `below` also the lower one. If it is lost and `between`, and its wind is
         known, both bounds become its requirement by further flights.
         """
+        from tvclin.flights.closed_loop.survival_limit import FINE, STRIDE  # late: all of `flights`
+
         limit = np.maximum(limits, 0.0)[:, np.newaxis]
         lower, upper, notes = bounds.lower.copy(), bounds.upper.copy(), []
         with np.errstate(invalid="ignore"):  # NaN where nothing can be said
@@ -225,7 +227,8 @@ class Judge:
         if count := int(np.sum((between & (bounds.wind_known | survive)).any(axis=0))):
             notes.append(
                 f"flown with trim: {plural(count, 'sounding')} whose trim reaches the limit more"
-                " than once"
+                f" than once; higher limits are flown every {100 * FINE:g} to {100 * STRIDE:g} %,"
+                " and one between these may be lost"
             )
         if count := int(np.sum((below & survive).any(axis=0))):
             notes.append(
