@@ -604,8 +604,10 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
     """Move flight i by sample k, with the demand [rad], limited, as its command.
 
     The command acts from sample k + late on; for a fractional delay within that sample, whose first
-    interval (1) still has the command before, its second (0) this one. States of the law and its
-    filters are updated, and peaks of deflection and rate are kept.
+    interval (1) still has the command before, its second (0) this one. The wind is a polynomial in
+    the time since the begin of an interval, expanded anew between the two. States of the law and
+    its filters are updated, and peaks of deflection and rate are kept. `f`: batch of flights, with
+    their states `now.y` (the deflection after those of the vehicle).
     """
     p, limit, sensed = f.cases.vehicle[i], f.cases.limit[i], f.now.sensed[i]
     command = min(max(demand, -limit), limit)
@@ -614,7 +616,8 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
     # `lengths` are those of a sample, and then of its intervals 0 and 1
     begin = f.cases.start[i] + f.steps.lengths[p, 0] * k
     end = f.cases.start[i] + f.steps.lengths[p, 0] * (k + 1)
-    # number of intervals of a sample; length of the buffer of commands; sample of the command
+    # number of intervals of a sample, of which `joint` has the transition matrices; length of the
+    # buffer of commands; sample of the command
     intervals, ring, since = f.steps.joint.shape[1], f.now.commands.shape[1], k - f.steps.late[p]
     if ring > 1:  # delayed commands, in a ring buffer
         f.now.commands[i, k % ring] = command
@@ -627,7 +630,7 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
         begin = stop
     update_law_states(f, i)
     n = f.vehicles.A.shape[1]
-    deflection = min(max(f.now.y[i, n], -limit), limit)
+    deflection = min(max(f.now.y[i, n], -limit), limit)  # after the n states of the vehicle
     keep_peak(f.now.peaks[i], PEAK_DEFLECTION, deflection)
     rate = (deflection - sensed[SENSED_DEFLECTION]) / f.steps.lengths[p, 0]  # mean of the sample
     keep_peak(f.now.peaks[i], PEAK_DEFLECTION_RATE, rate)

@@ -289,11 +289,14 @@ def _derivatives(
 ) -> tuple[float, float, float]:
     """Return the derivatives J_t, J_u, J_v of J, the sum over columns of ``|t a + u b + v c|``.
 
-    J itself is t J_t + u J_u + v J_v. `sums`: rows a, b and c, ``(3, size)``, summed from column s
-    on; a column is the effect of a unit deflection in a step or cell. The last two are integrals
-    over all time r after the end, of w e^(-pole r) with the `poles` [1/s] of two modes, ``(2,)``,
-    so that w = pole times the column. Their contribution to J is the integral of the size of
-    fast e^(-pole_0 r) + slow e^(-pole_1 r), whose sign changes once at most, at the time `turns`.
+    J itself is t J_t + u J_u + v J_v. `t`, `u`, `v`: the multipliers, t that of the end conditions
+    together, u and v of two further modes (see `_dual_value`). `sums`: their rows a, b and c,
+    ``(3, size)``, summed from column s on. A column has the effects of a unit deflection, on the
+    modes in the measure of their multipliers, in a step of the wind or a part of one. The last two
+    are integrals over all time r after the end, of w e^(-pole r) with the `poles` [1/s] of two
+    modes, ``(2,)``, so that w = pole times the column. Their contribution to J is the integral of
+    the size of fast e^(-pole_0 r) + slow e^(-pole_1 r), whose sign changes once at most, at the
+    time `turns`.
     """
     a, b, c = 0.0, 0.0, 0.0  # J_t, J_u and J_v
     cells = sums.shape[1] - _AFTER_WIND  # index of the integral of the fast mode; the slow is next

@@ -323,10 +323,11 @@ def limited_trim(
     They are flights of the ideal trim law with a deflection limit L, which diverge if in the end L
     cannot bring the unstable component back, ``|p.x| > L |R|``. `steps`: steps, equations and winds
     of the n cases. `end`: costate p and control reach R of a unit deflection at the end, ``(n, m +
-    1)``. `onset`: position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third.
-    `gain`: ratio of the attitude feedback to trim. `max_attitude`: attitudes [rad] beyond which a
-    flight counts as diverged, ``(n,)``, in the first `checked` steps. Cases from `first` up to
-    `last` are computed.
+    1)``. `onset`: position at which each wind begins, in steps, ``(n,)``: 2.3 is in the third,
+    whose length and wind in `steps` are of the rest from there on. `gain`: feedback of the attitude
+    in the law (head of this file), in multiples of ``|mu_alpha|``. `max_attitude`:
+    attitudes [rad] beyond which a flight counts as diverged, ``(n,)``, in the first `checked`
+    steps. Cases from `first` up to `last` are computed.
     """
     count, m, tries = steps.lengths.shape[1], steps.equations.shape[3], limits.shape[1]
     matrix, law = np.empty((3, m, m + 2)), np.empty((3, m + 1))
@@ -361,7 +362,7 @@ def _trim_law_gains(matrix: FloatArray, gain: float, law: FloatArray) -> None:
     and b_2 the row of the moments, mu_alpha = A_21 and z = theta + theta'/k, the unstable component
     of the attitude: k is the positive root of k^2 - d k = ``|mu_alpha|``, d = -A_22 the damping.
     `matrix`: ``[A b w]``, ``(m, m + 2)``, row 1 that of the moments, b column m, w column m + 1.
-    `gain`: ratio of the attitude feedback to trim.
+    `gain`: feedback of z, in multiples of ``|mu_alpha|``.
     """
     m = matrix.shape[0]
     for i in range(m):
