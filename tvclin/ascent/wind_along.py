@@ -258,6 +258,8 @@ def _sounding_in_planes(
 ) -> dict[str, WindAlong]:
     """Return the wind of a sounding along a flight, by plane, in both planes.
 
+    The vehicle at the time of the gust gives its angle in each plane; without a gust the vehicle
+    does not count, and that at the begin of the flight is taken.
     `wind`: the sounding along this flight. `sign`: "frozen" for the nominal dynamic pressure, or
     None. `gust_time`: time of flight [s] of its gust.
     """

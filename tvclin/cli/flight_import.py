@@ -172,7 +172,8 @@ def log(
 ) -> None:
     """Read the log of a simulation in wind: a schedule, and the wind that it encountered.
 
-    The wind is the column wind_angle_deg, wind_speed_m_per_s, or angle_of_attack_deg.
+    The flight is to the north, azimuth 0, and the wind along it. The wind is the column
+    wind_angle_deg, wind_speed_m_per_s, or angle_of_attack_deg.
 
     Exit code 0: written; 2: bad input, and nothing is written.
     """

@@ -37,9 +37,10 @@ if TYPE_CHECKING:
 
 
 def to_write(option: typer.CallbackParam, file: Path | None) -> Path | None:
-    """Return the file of an option, which the command then cannot read.
+    """Return the file that a command writes; no other option of it may read the same file.
 
-    `InputError` before the work where it cannot be written.
+    `InputError` before the work where it cannot be written. `option`: its name is noted with the
+    file, for the message about a file that is read and written.
     """
     if file is not None:
         target_of(file)

@@ -46,9 +46,9 @@ def wind_gain(plant: AnyPlant, autopilot: Autopilot) -> float:
     `plant`, `autopilot`: one each. The norm is the highest peak of the frequency response |G(j
     omega)|, with the exact delay. The peak is bracketed among frequencies around all roots and gain
     crossovers and refined to about 1e-12 of its value for well separated roots. For a flexible
-    plant, which has no polynomials, it is the norm of python-control with the Pade approximation of
-    `Autopilot.close`. With the open loop's L = N/D, and n/D from wind to deflection, the closed
-    loop has G = n/(D + N).
+    plant and a controller of one's own, which have no polynomials, it is the norm of python-control
+    with the Pade approximation of `Autopilot.close`. With the open loop's L = N/D, and n/D from
+    wind to deflection, the closed loop has G = n/(D + N).
     """
     margins = loop_margins(autopilot.exact_loop(plant))
     if not margins.stable:

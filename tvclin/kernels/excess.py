@@ -361,8 +361,9 @@ def monotone_intervals(wind: Wind, law: ExitLaw, i: int, ends: FloatArray) -> in
 
     The driver, which is compared with K times the demand, is trim where `law.trim_drives`, else the
     wind. `ends`: written: the ends of the intervals, one more than these, as times since the begin
-    of the segment [s]. They are the ends of cells, and the times at which the driver's slope
-    changes its sign. A segment without width has no interval.
+    of the segment [s]. They are the ends of cells, parts of the segment in which the slope has at
+    most two sign changes, and the times at which the driver's slope changes its sign. A segment
+    without width has no interval.
     """
     width, count = wind.knots[i + 1] - wind.knots[i], 0
     ends[0] = 0.0
@@ -420,9 +421,11 @@ def _trim(
 def driver(wind: Wind, law: ExitLaw, i: int, u: float) -> tuple[float, float, float]:
     """Return the driver, its slope and its curvature [1, 1/s, 1/s^2] at a time of a wind.
 
-    The driver is compared with K times the demand at the exit of the dead band. It is the wind of
-    unit peak, or where `law.trim_drives` its trim over -B, B being trim deflection per angle of
-    attack. `i`, `u`: segment of the wind, and time since its begin [s].
+    The driver is compared with K times the demand, the limit that from then on survives the rest of
+    the wind, at the exit of the dead band. It is the wind of unit peak, or where `law.trim_drives`
+    its trim over -B, B being trim deflection per angle of attack; without drift
+    (`law.gain` zero) trim over -B is the wind. `i`, `u`: segment of the wind, and time since its
+    begin [s].
     """
     wind_terms = piece_value(wind.coefficients[i], wind.rates, u)
     if not law.trim_drives or law.gain == 0.0:

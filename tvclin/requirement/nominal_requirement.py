@@ -403,9 +403,11 @@ class KnownWind(Shown):
     @property
     @derived()
     def first_segment(self) -> str:
-        """Direction of the first segment of the deflection, in words: of trim it opposes the wind.
+        """Direction of the deflection of minimum peak in its first segment, in words.
 
-        Trim in a wind is -B times its angle, B being trim deflection per angle of attack.
+        That deflection, `best`, is constant in segments, with both signs in turn. It opposes the
+        wind where it has the sign of trim, which is -B times the wind's angle, B being trim
+        deflection per angle of attack.
         """
         deflection = self.best.deflection
         if np.isinf(deflection.onset):

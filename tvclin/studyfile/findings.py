@@ -128,7 +128,11 @@ class Findings:
 
     @property
     def margins(self) -> Margins | BandMargins | None:
-        """The margins that are judged: those by band of a flexible vehicle."""
+        """The margins that are judged: those by band of a flexible vehicle.
+
+        Of a rigid one they are of the autopilot that `comparison` compares with trim; None where
+        the study has no autopilot.
+        """
         if self.flexible is not None:
             return self.flexible.bands
         return None if self.comparison is None else self.comparison.margins
@@ -465,7 +469,10 @@ def _in_a_head_wind(
 
 
 def _loop(plan: StudyPlan) -> tuple[AnyPlant, Autopilot]:
-    """Return the plant of a plan and its autopilot, whose optimised gains satisfy the criteria."""
+    """Return the plant of a plan and its autopilot, whose optimised gains satisfy the criteria.
+
+    Optimised gains have the minimum deflection in the plan's wind; others do not depend on it.
+    """
     from tvclin.design.gain_designs import specified_autopilot
 
     return plan.plant, specified_autopilot(plan, plan.history, criteria=plan.margin_criteria)

@@ -280,7 +280,8 @@ def _damping_of(values: Mapping[str, Any], table: FileTable) -> dict[str, Any]:
 def check_columns(keys: Collection[str], table: FileTable) -> None:
     """Raise `InputError` for all unknown and missing columns of vehicles in a `table`.
 
-    `keys`: names of the columns, with units. A column that an unknown one may mean is not missing.
+    `keys`: names of the columns, with units. A column that an unknown one may mean is not missing:
+    `FileTable.similar` has the names of these, those of one value in other units joined by " or ".
     """
     faults, available = Faults(), []
     for key in keys:
