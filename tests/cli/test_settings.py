@@ -2,6 +2,8 @@
 
 import json
 import re
+import tomllib
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from tvclin.control.laws.registry import LAWS
 from tvclin.design.standard_trials import WINDS
 from tvclin.ensembles.campaign.campaign_plan import OUTPUTS
 from tvclin.ensembles.dispersions import METHODS
+from tvclin.studyfile.campaign_file import load_campaign
 from tvclin.studyfile.keys import all_keys, column_tables
 from tvclin.studyfile.read import example, load_sizing
 from tvclin.studyfile.settings import STUDY_TABLES, VEHICLE_TABLES, with_settings
@@ -392,6 +395,18 @@ def test_a_campaign_takes_keys_too(tmp_path):
     )
     assert code == 0, error
     assert "4 of 4" in said
+
+
+def test_a_vehicle_in_the_table_of_a_campaign_takes_keys(tmp_path):
+    """They are set there, and not in a table [study] with all other keys of the campaign."""
+    shipped = resources.files("tvclin.vehicle").joinpath("shipped", "configuration-i.toml")
+    numbers = tomllib.loads(shipped.read_text(encoding="utf-8"))["vehicle"]
+    lines = "".join(f"{key} = {json.dumps(value)}\n" for key, value in numbers.items())
+    file = tmp_path / "campaign.toml"
+    head = "[wind]\npeak_deg = 5.0\nduration_s = 7.5\n[campaign]\ncases = 8\nseed = 1\n"
+    file.write_text(f"{head}[campaign.vehicle]\n{lines}")
+    plan = load_campaign(with_settings(str(file), [("vehicle.thrust_N", "2.6e6")]))
+    assert plan.vehicle.thrust == 2.6e6
 
 
 SPEEDS = STUDY.replace("peak_deg = 5.0", "peak_speed_m_per_s = 40") + (

@@ -485,7 +485,7 @@ class _Answer:
 
         "least" has the gains for the minimum deflection (`sought`), "unsatisfied" the sentence that
         there are none, and "box" the worst margins in the intervals of --box (`in_box`), where
-        these are computed.
+        these are computed. "rules" has the designs by rules, with their margins and peaks.
         """
         case, margins = self.case, margins_document(self.margins)
         head = {"vehicle": case.vehicle.name, "model": case.plant.model, "plane": case.plane}

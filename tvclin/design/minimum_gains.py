@@ -443,8 +443,9 @@ def _record(problem: GainProblem, point: FloatArray, deflections: FloatArray) ->
     """Return the record of a row of gains with its margins, active constraints and notes.
 
     `point`: the gains in the unit box of the problem, ``(axes,)``. `deflections`: required
-    deflection in each wind [rad], ``(winds,)``. Where these come from flights with a limit
-    (`problem.limits`), `many_stops` is their largest with more sudden ends than the search had.
+    deflection in each wind [rad], ``(winds,)``: of flights with a limit (`BOUNDARY`, where
+    `problem.limits`), else peaks of the linear loop (`PEAK`). With flights, `many_stops` is the
+    largest where the winds end suddenly at more times than in the search.
     """
     autopilot = problem.autopilot(point)
     margins = loop_margins(autopilot.exact_loop(problem.plant))

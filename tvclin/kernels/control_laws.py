@@ -121,8 +121,9 @@ def lean_demand(
     attitude less angle of attack [rad], the wind angle plus the path angle. `limit`: deflection
     limit [rad].
 
-    With a known rate limit the feedback is bounded so that it can be reversed in time, and u so
-    that z stays recoverable with the fraction `law.reach` of the limit if the wind stops.
+    With a known rate limit u is bounded twice. The feedback is at most R(|error|) - |error|, from
+    where a return at that rate ends as the error does. And u keeps z where a travel at that rate,
+    to the fraction `law.reach` of the limit, recovers it if the wind stops, on either side.
     """
     wind = wind - path  # the wind angle [rad]
     size = max(abs(wind) - law.dead_band, 0.0)  # that is felt

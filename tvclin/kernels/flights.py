@@ -638,7 +638,7 @@ def move_sample(f: Flights, i: int, k: int, demand: float) -> None:
 
 @inlined
 def update_law_states(f: Flights, i: int) -> None:
-    """Update the states of the law of flight i and of its filters from sensed values and demand.
+    """Update the states of the law of flight i, and of its filters, by a sample.
 
     Each next state is a row of the law's memory times present states and sensed values.
     """

@@ -174,9 +174,10 @@ def _largest_demand(wind: Wind, law: ExitLaw, ends: FloatArray) -> tuple[float, 
 def _height_time(wind: Wind, law: ExitLaw, height: float, ends: FloatArray) -> tuple[int, float]:
     """Return piece and local time [s] at which trim first reaches a height with either sign.
 
-    The end of the wind where it never does. `law`: the filter of trim, with `trim_drives` true, so
-    that the first result of `driver` is trim over -B, B being trim deflection per angle of attack,
-    and the wind's peak. `height`: over B and the peak. `ends`: work array of `monotone_intervals`.
+    The end of the wind where it never does. `law`: the filter that makes trim of the wind, with
+    `trim_drives` true, so that the first result of `driver` is trim divided by -B and the wind's
+    peak; B is trim deflection per angle of attack. `height`: in the same measure. `ends`: work
+    array of `monotone_intervals`.
     """
     knots = wind.knots
     for i in range(knots.size - 1):

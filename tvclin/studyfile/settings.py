@@ -190,8 +190,9 @@ def _study(
     the file, and of the vehicle that it names.
     """
     tables = _changed(tables, of_study)
-    # the table that names the vehicle: [study], else [campaign]
-    home = tables["study"] if "vehicle" in tables.get("study", {}) else tables.get("campaign", {})
+    # the table that names the vehicle
+    name = "study" if "vehicle" in tables.get("study", {}) else "campaign"
+    home = tables.get(name, {})
     vehicle = home.get("vehicle")
     if not of_vehicle:
         return tables
@@ -199,7 +200,7 @@ def _study(
         check_known(
             "table of --set", [item.parts[0] for item in of_vehicle], ["vehicle", *STUDY_TABLES]
         )
-        return tables | {"study": home | _changed({"vehicle": vehicle}, of_vehicle)}
+        return tables | {name: home | _changed({"vehicle": vehicle}, of_vehicle)}
     if not isinstance(vehicle, str):
         raise InputError(f"--set {of_vehicle[0].key} needs a vehicle in [study]")
     file = str(vehicle_source(vehicle, folder))

@@ -180,7 +180,7 @@ class ShapedWind:
         return dict(zip(PLANES, map(float, angles), strict=True))
 
     def in_planes(self, values: Mapping[str, Any], attitude: ArrayLike) -> dict[str, History]:
-        """Return the winds of cases in each plane, with the gust in their direction.
+        """Return the winds of cases in each plane; a gust has the direction of its wind.
 
         Parameters
         ----------

@@ -376,7 +376,8 @@ def peaks_for_demands(
 def _is_sufficient(poles: AnyArray, demands: AnyArray, peak: FloatArray) -> BoolArray:
     """Return whether a `peak` [rad] is proved to suffice for a pole p and two others, ``(n,)``.
 
-    Of n cases `poles` [1/s], `demands` [rad s]: ``(n, 3)``, the real pole p first. Let a constant
+    Of n cases `poles` [1/s] and `demands` [rad s], the values that the moments of the deflection,
+    its integrals times e^(-pole t), must have: ``(n, 3)``, the real pole p first. Let a constant
     deflection c act up to T, and the optimal one of the two other poles from then on, whose moment
     at p is at most peak e^(-p T)/p. That bounds c to an interval. If at both its ends the two other
     poles require no more than the peak, a c of the interval satisfies all conditions.

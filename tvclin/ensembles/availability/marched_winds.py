@@ -312,9 +312,10 @@ class MarchedWinds:
     def requirement(self, cases: IndexArray) -> FloatArray:
         """Return the required deflections [rad] of winds, ``(cases,)``.
 
-        The lower bound, unless some limit from `lowest` (below which no flight survives) to `upper`
-        must be flown: then the smallest limit that survives, up to `highest`, which the law never
-        reaches. `cases`: indices of the winds.
+        The curves of trim and demand give a lower bound, which is the requirement where the upper
+        bound `upper` is not above `lowest`, the limit below which no flight survives. Elsewhere it
+        is the smallest limit that survives when flown, searched from there up to `highest`, a limit
+        that the law never reaches. `cases`: indices of the winds.
         """
         b, required = self.bounds, self.bounds.lower[cases]
         undecided = np.flatnonzero((b.upper > b.lowest)[cases])

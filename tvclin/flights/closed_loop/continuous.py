@@ -312,7 +312,11 @@ def _mode_end(loop: Loop, regime: Regime, sign: float) -> End:
     """
 
     def past(t: Any, states: FloatArray) -> Any:
-        """Return by how much [rad] the law's demand, times `sign`, is past the threshold."""
+        """Return by how much [rad] the law's demand, times `sign`, is past a threshold.
+
+        While the law is not engaged (mode 0) the demand is past the threshold of the full limit if
+        it is above; while the limit is applied it is past the threshold of release if it is below.
+        """
         demand = sign * loop.demand(states, loop.measured(t, states, regime))
         if regime.mode:  # the end is below `release`, by a margin against chatter
             return (loop.law.release - _RELEASE_MARGIN) * loop.limit - demand
@@ -595,7 +599,9 @@ def _flight_end(max_attitude: float) -> Any:
     def remaining(t: float, states: FloatArray, regime: Regime) -> float:
         """Return the smaller distance of states and attitude to their limits; negative beyond.
 
-        No vehicle reaches the states of the size `LOST`: in a valid flight the attitude decides.
+        Both limits are widened by the factor `beyond`. `LOST` limits the states, in any unit, to a
+        size that no vehicle reaches: in a valid flight the attitude [rad] decides. `t` and `regime`
+        are not used: `solve_ivp` passes them.
         """
         to_loss = LOST * beyond - float(np.abs(states).max())
         return min(to_loss, max_attitude * beyond - abs(float(states[0])))
