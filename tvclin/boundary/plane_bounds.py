@@ -544,9 +544,11 @@ def _corrected(
     """Return times [s], deflections [rad] that satisfy the conditions, and their certificate.
 
     The condition of a pole p is: the sum over the cells of deflection times p e^(-p t), integrated
-    over the cell, is the pole's demand, in its plane. `moments`: the conditions of k poles, and n
-    cells. `onset`: start of the control [s]. `multipliers`: l ``(k,)`` with the best lower bound
-    l . d/N(l). `deflections`: those to be corrected, over `size` [rad], ``(n,)``.
+    over the cell, is the pole's demand, in its plane. No deflection with a smaller peak than l .
+    d/N(l) satisfies them, N(l) being the largest l . d that deflections of peak one attain.
+    `moments`: the conditions of k poles, and n cells. `onset`: start of the control [s].
+    `multipliers`: l ``(k,)`` with the best lower bound l . d/N(l). `deflections`: those to be
+    corrected, over `size` [rad], ``(n,)``.
     """
     d, integrals = moments.demands / size, moments.cell_integrals
     # Corrections are combinations of the functions a e^(-p t) at the cells' starts, a being the

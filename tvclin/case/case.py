@@ -64,7 +64,7 @@ class Case:
         Specification of the autopilot; by default canonical gains.
     plant_system : LinearSystem, optional
         State space in place of the plant of the autopilot's margins and flights, see `SystemPlant`;
-        trim and boundaries are those of the vehicle.
+        trim and boundaries are of the vehicle.
     controller : LinearSystem, optional
         State space in place of the gains of the design, whose delay, filters and sample rate stay,
         see `SystemAutopilot`.

@@ -143,8 +143,8 @@ def with_filters(law: Law, design: AutopilotDesign) -> Law:
 def shift_of(plant: AnyPlant) -> Shift | None:
     """Return the shift of fast pole and trim of a plant by its structure [%].
 
-    How far bending and slosh move them from those of the rigid plant. None for a rigid plant, and
-    for one without an unstable mode.
+    How far bending and slosh move them from the poles of the rigid plant. None for a rigid plant,
+    and for one without an unstable mode.
     """
     if plant.structure is None:
         return None

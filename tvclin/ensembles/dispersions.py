@@ -1,8 +1,8 @@
 """Dispersions of vehicle and wind: dispersed values from random numbers in (0, 1).
 
 A case has the same random numbers in any chunk, worker, machine or order. Plain numbers come from a
-counter-based generator, one key for each block of cases; those of a Sobol sequence have an index by
-definition; a Latin hypercube covers the whole campaign, and so needs its size.
+counter-based generator, one key for each block of cases; the numbers of a Sobol sequence have an
+index by definition; a Latin hypercube covers the whole campaign, and so needs its size.
 """
 
 import re

@@ -570,8 +570,8 @@ def _resonant_solution(c: AnyArray, gap: AnyArray, degree: int) -> AnyArray:
     """Return the polynomial factor of e^(pole u) of the solution, for rates at or near the pole.
 
     Of y' = pole y + f with y = 0 at u = 0, for each rate of f. `c`: coefficients of f, lowest power
-    first, ``(..., rates, order)``. `gap`: rate - pole ``(..., rates)`` [1/s]. `degree`: of the
-    result, ``(..., rates, degree + 1)``.
+    first, ``(..., pieces, rates, order)``. `gap`: rate - pole [1/s] of all pieces, ``(...,
+    rates)``. `degree`: of the result, ``(..., pieces, rates, degree + 1)``.
 
     integral from 0 to u of c v^k e^(gap v) dv = sum over j of c gap^j/j! u^(k+j+1)/(k + j + 1).
     """

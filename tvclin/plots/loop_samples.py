@@ -253,9 +253,9 @@ def _frequencies(loop: Loop, margins: Margins, modes: tuple[ModeBand, ...]) -> F
     """Return frequencies [rad/s] that resolve all crossings and modes of a loop, ``(n,)``, rising.
 
     `margins`, `modes`: margins and modes of the loop, whose frequencies are among them. Others are
-    those of the margins' search, those around lightly damped poles and zeros, `_OFFSETS` times the
-    real part from the imaginary part, and `_PER_DECADE` in between; of a sampled loop up to half
-    its rate. Its form has roots in the w plane, bilinear image of z.
+    the frequencies of the margins' search, others around lightly damped poles and zeros, `_OFFSETS`
+    times the real part from the imaginary part, and `_PER_DECADE` in between; of a sampled loop up
+    to half its rate. Its form has roots in the w plane, bilinear image of z.
     """
     roots = (loop.form.open_poles(), loop.form.closed_poles(), loop.form.zeros())
     root = np.concatenate([row[0].astype(complex) for row in roots])

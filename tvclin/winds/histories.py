@@ -396,7 +396,7 @@ def linear_pieces(knots: ArrayLike, values: ArrayLike, slopes: ArrayLike) -> Pie
 def _scaled(pieces: Pieces, factor: AnyArray) -> Pieces:
     """Return histories, as pieces, times factors, which broadcast with their batch.
 
-    Only the coefficients are multiplied: the rates are those of e^(rate u), u being local time.
+    Only the coefficients are multiplied: the rates stand in e^(rate u), u being local time.
     """
     # behind the batch, coefficients have axes of pieces, rates and powers of time
     factor = factor[..., np.newaxis, np.newaxis, np.newaxis]

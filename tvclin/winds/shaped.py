@@ -243,7 +243,7 @@ class ShapedWind:
 
         `values`: dispersed values by name. A change of "wind_duration" [s], ``(n,)``, shifts the
         gust by its half: the distance to the middle of the wind is kept. "gust_at" is the time of
-        the middle of the gust [s], ``(n,)``; without it that of the wind.
+        the middle of the gust [s], ``(n,)``; without it the middle of the wind.
         `InputError` for values that are not by name, and durations that are no numbers.
         """
         instance("values", values, Mapping, "of dispersed values by name")

@@ -268,7 +268,7 @@ class Turbulence(Record):
     def shaping_filter(self, speed: ArrayLike, altitude: ArrayLike | None = None) -> FilterMatrices:
         """Return A [1/s], b and c of the filter in time from unit white noise to the wind [m/s].
 
-        With white noise n the filter is x' = A x + b n, w = c x. Its first states are those of
+        With white noise n the filter is x' = A x + b n, w = c x. Its first states are the states of
         `normalised_filter`; with a cutoff two more follow.
 
         Parameters
@@ -326,7 +326,7 @@ class Turbulence(Record):
     ) -> FloatArray:
         """Return the one-sided power spectrum [m^2/s^2 per rad/s], whose integral is sigma^2.
 
-        Von Karman's is the exact one, not that of the fit.
+        Von Karman's is exact, without the error of the fit.
 
         Parameters
         ----------

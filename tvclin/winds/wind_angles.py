@@ -380,7 +380,7 @@ class EncounteredWind:
         """Return wind angles in pitch and in yaw [rad] and q/q_n at times [s], ``(n, ...)``.
 
         q/q_n is the dynamic pressure over the nominal one. The speed of a wind by its angle, of
-        which `of_angle` gives the fractions in pitch and in yaw, adds to that of a wind by its
+        which `of_angle` gives the fractions in pitch and in yaw, adds to the angle of a wind by its
         speed, of which `of_speed` gives those along and across the path; angles and q/q_n are those
         of the sum. NaN where no horizontal wind along the path has the angle.
         """

@@ -297,9 +297,10 @@ def _scaled(window: Window, guesses: list[FloatArray]) -> list[SignedSum]:
 def _newton(current: SignedSum) -> SignedSum:
     """Return the sum of exponentials after Newton's iteration from the sum `current`.
 
-    Steps are in the logarithms of the multipliers, for a switch moves in proportion to these. Where
-    such a step does not reduce the residual, perhaps because a multiplier has the wrong sign, a
-    plain step is tried.
+    Its multipliers are sought with which the deflection that changes its sign at the zeros of the
+    sum satisfies the conditions; the residual is by how much it does not. Steps are in the
+    logarithms of the multipliers, for a zero moves in proportion to these. Where such a step does
+    not reduce the residual, perhaps because a multiplier has the wrong sign, a plain step is tried.
     """
     for _ in range(_NEWTON_STEPS):
         step = _newton_step(current)

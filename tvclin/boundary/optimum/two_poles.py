@@ -112,7 +112,7 @@ def longest_single_pole_duration(
 
         y = (K1_1/K1_2) (beta2/beta1) ((1 - e^(-tau beta1/2))/(1 - e^(-tau beta2/2)))^2
 
-    y is the peak that the slow pole beta1 requires by itself over that of the fast pole beta2. Up
+    y is the ratio of the peaks that the slow pole beta1 and the fast pole beta2 require alone. Up
     to there the fast pole alone decides the minimum peak, nearly. The print omits the ratio of the
     drift factors K1_1/K1_2. y rises with the duration from K1_ratio beta1/beta2 to
     K1_ratio beta2/beta1; NaN is returned where it is never 1.
@@ -135,8 +135,8 @@ def longest_single_pole_duration(
     def excess(tau: FloatArray, k: IndexArray) -> FloatArray:
         """Return sqrt(y) - 1 by eq (C8) for durations `tau` [s] of the vehicles with indices `k`.
 
-        y is the peak that the slow pole b1 [1/s] requires over that of the fast pole b2, and K the
-        ratio of the factors by which the drift multiplies these peaks.
+        y is the ratio of the peaks that the slow pole b1 [1/s] and the fast pole b2 require, and K
+        the ratio of the factors by which the drift multiplies these peaks.
         """
         quotient = np.expm1(-tau * b1[k] / 2.0) / np.expm1(-tau * b2[k] / 2.0)
         return np.asarray(np.sqrt(K[k] * b2[k] / b1[k]) * quotient - 1.0)

@@ -194,7 +194,7 @@ class AutopilotDesign:
     def unspecified(self) -> bool:
         """Whether no rule, and no gain on attitude, rate or angle of attack, is specified.
 
-        The gains are then those of the rule "canonical".
+        The gains are then by the rule "canonical".
         """
         if self.schedule is not None and self.schedule.gains:
             return False
@@ -204,7 +204,7 @@ class AutopilotDesign:
 
     @property
     def has_gains(self) -> bool:
-        """Whether a rule or any gain is specified, also one that is added to those of a rule."""
+        """Whether a rule or any gain is specified, also a gain added to the gains of a rule."""
         return not self.unspecified or any(getattr(self, n) for n in GAINS if n in ADDED_GAINS)
 
     @property

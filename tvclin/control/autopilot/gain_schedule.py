@@ -360,7 +360,7 @@ class EqualValues(Tabled):
         return replace(table, head=(self.variable, *headings))
 
     def _columns(self) -> Columns:
-        """Return the pairs as columns of a CSV, with the name of the variable."""
+        """Return pairs of flight times with equal values of the variable as columns of a CSV."""
         pairs = Column("pair", np.arange(1, self.value.size + 1), "")
         return Columns((pairs,), columns_of(self, *_PAIR_FIELDS), {"variable": self.variable})
 

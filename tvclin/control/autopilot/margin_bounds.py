@@ -105,10 +105,11 @@ def margin_bounds(
     -----
     T = L/(1 + L) equals one at the unstable pole p. It is e^(-s delay) times a function that is
     analytic in the right half plane and equals M = e^(p delay) at p; by the maximum principle its
-    peak on the imaginary axis is at least M. The least peak of S is the same, and that of S - T is
-    M + sqrt(M^2 - 1), since S and T are complementary projections. For phase and gain range see
-    Doyle, Francis and Tannenbaum, Feedback Control Theory, chapter 11. The rule for attitude and
-    rate gains is a fit, no bound: gains B/sqrt(x) and B/(p sqrt(x)), x = p (delay + nozzle delay).
+    peak on the imaginary axis is at least M. The least peak of S is the same, and the least peak of
+    S - T is M + sqrt(M^2 - 1), since S and T are complementary projections. For phase and gain
+    range see Doyle, Francis and Tannenbaum, Feedback Control Theory, chapter 11. The rule for
+    attitude and rate gains is a fit, no bound: gains B/sqrt(x) and B/(p sqrt(x)), x = p (delay +
+    nozzle delay).
 
     Examples
     --------

@@ -41,7 +41,7 @@ class SystemAutopilot(Autopilot):
         From outputs of the plant, by their names, to the deflection command [rad]. Its inputs
         attitude and attitude_rate are what the sensors show, the attitude minus its command;
         drift_rate [m/s], drift [m] and lateral_acceleration [m/s^2] are those of lateral sensors,
-        the acceleration behind the lag of its accelerometer; deflection is that of the actuator. A
+        the acceleration behind the lag of its accelerometer; deflection is the actuator's. A
         positive output pitches the nose down, as with positive gains of an `Autopilot`. With a
         sample time it is the difference equations of a flight computer.
     inputs : sequence of str, optional

@@ -291,7 +291,7 @@ SATURATE = ("radial", "each plane")
 class LawInPlanes:
     """Law for both planes, and the saturation of its demand.
 
-    `law`: one law. `limit_shape`: that of the nozzle. `saturate`: "radial" if the limited demand
+    `law`: one law. `limit_shape`: of the nozzle. `saturate`: "radial" if the limited demand
     keeps its direction, "each plane" if each component is limited by the largest rectangle within
     the shape. `InputError` for another type than a law, a law that switches, has filters or noise,
     and unknown words.

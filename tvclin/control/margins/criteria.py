@@ -270,7 +270,7 @@ class Criteria:
 
 
 def _changed(base: Criteria, limits: tuple[Criterion, ...]) -> Criteria:
-    """Return the criteria `limits`, whose name is that of `base` with the limits it has not."""
+    """Return the criteria `limits`, named as `base` and the limits that it has not."""
     changes = ", ".join(r.description for r in limits if r not in base.limits)
     return Criteria(f"{base.name}, with {changes}", limits, base) if changes else base
 

@@ -327,7 +327,7 @@ _BEYOND_MARGIN = 1.0 + 1e-6
 class SampledLoop(Loop):
     """Loop of a sampled autopilot, from the command to minus the returned command.
 
-    Made by `Autopilot.exact_loop` and `Loop.from_system`. Frequencies are those of the s plane,
+    Made by `Autopilot.exact_loop` and `Loop.from_system`. Frequencies are of the s plane,
     from zero to half the sample rate; `form` is in the variable w, z = (1 + w h/2)/(1 - w h/2).
 
     `period`: h [s], ``(...)``. `loop_delay`: delay [s], ``(...)``. `delayed_form`: function of

@@ -1,7 +1,7 @@
 """Stability margins of a loop, under names that cannot be misread.
 
 All follow from L(j omega): gain and phase at its crossings, the disk margin and the peaks of S =
-1/(1 + L) and T = L/(1 + L). The arithmetic is that of `numerics.loop_margins`.
+1/(1 + L) and T = L/(1 + L). The arithmetic is in `numerics.loop_margins`.
 """
 
 from __future__ import annotations

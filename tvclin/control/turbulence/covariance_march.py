@@ -33,7 +33,7 @@ _CHECKED_POINT = 0.32
 _MAX_INTERVAL_S, _MAX_HALVINGS = 1.0, 6
 """Longest interval [s], and how often one is halved."""
 _TOLERANCE, _ROUNDING = 1e-9, 1e-13
-"""Largest error of an entry, relative to its own largest value, and to that of its matrix."""
+"""Largest error of an entry, relative to its largest value, and to the largest of its matrix."""
 
 
 class VaryingLoop:

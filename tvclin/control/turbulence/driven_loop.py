@@ -158,7 +158,7 @@ class LoadSlopes(Record):
 
     @property
     def batch(self) -> tuple[int, ...]:
-        """Shape of the numbers; ``()`` for those of one flight time."""
+        """Shape of the numbers; ``()`` for one flight time."""
         return np.broadcast_shapes(*(np.shape(getattr(self, name)) for name in _SLOPES))
 
     @property

@@ -238,12 +238,12 @@ class LoopCovariance(GaussianOutputs):
     def spectrum(self, omega: ArrayLike, output: str = DEFLECTION) -> FloatArray:
         """Return the one-sided power spectrum, whose integral over omega is the variance.
 
-        Of a sampled autopilot it is that of the output at the samples, up to half their rate. It
-        is f N f*/pi with the factors f = row (p I - A)^-1, where p is j omega and the noise has the
-        intensity N; of a sampled autopilot with the period h, p = exp(j omega h), A is the
-        transition over a sample, and N is h times the covariance of its noise.
+        Of a sampled autopilot it is the density of the output at the samples, up to half their
+        rate. It is f N f*/pi with the factors f = row (p I - A)^-1, where p is j omega and the
+        noise has the intensity N; of a sampled autopilot with the period h, p = exp(j omega h), A
+        is the transition over a sample, and N is h times the covariance of its noise.
 
-        `omega`: frequencies [rad/s] of any shape, which is that of the result. `InputError` for an
+        `omega`: frequencies [rad/s] of any shape, as the result. `InputError` for an
         unknown output, and frequencies that are negative, above 1e9 rad/s, or above half the sample
         rate.
         """

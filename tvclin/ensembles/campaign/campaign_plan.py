@@ -260,7 +260,7 @@ class Campaign(Case):
     confidence : float
         Confidence of each bound of that quantile.
     law : str
-        Law of the output "flight": autopilot (that of the case), trim, dead-band, half-relief or
+        Law of the output "flight": autopilot (of the case), trim, dead-band, half-relief or
         recoverable-attitude.
     along : FlightPlan, optional
         Whole flight and its autopilot, along which the output "flight" is flown at the dynamic

@@ -64,7 +64,7 @@ class Batch:
     gains of the autopilot where an output depends on them, ``(n,)`` where they are dispersed.
     `vehicle`: the vehicles that the plant linearises. `flexible`: flexible plants of the vehicles
     with their structure. `values`: dispersed values by name, ``(n,)``. `wind_angle`: largest wind
-    angle [rad], of a wind with a direction that of both planes together, ``(n,)`` or a scalar.
+    angle [rad], of a wind with a direction the angle in both planes together, ``(n,)`` or a scalar.
     `plane_batches`: batches by plane, for each plane with a component of the wind, where both
     planes are judged.
     """

@@ -241,7 +241,8 @@ def _rows(
     y, first, slope = at.y, at.first, at.slope
     n = len(bare.states)
     vehicle = y[:, :n]
-    if "deflection_acceleration" in bare.inputs:  # an impulse at the start of the constant rate
+    if "deflection_acceleration" in bare.inputs:
+        # where the constant rate starts the rate jumps, so that its acceleration is an impulse;
         # y[:, n + 1] is the nozzle rate, zero at the deflection limit; input 2 the acceleration
         before = np.where(np.abs(y[:, n]) <= at.limit, y[:, n + 1], 0.0)
         vehicle = vehicle + (slope - before)[:, np.newaxis] * bare.B[:, 2]

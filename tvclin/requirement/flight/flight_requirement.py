@@ -358,7 +358,7 @@ def _costates_before(costates: FloatArray, matrices: FloatArray) -> FloatArray:
 
     The last axis holds the costate p ``(m,)``, the control reach R and the absolute reach, the
     integrals of p.b and ``|p.b|`` from then on; all are divided by the length of p. `costates`: the
-    same at the ends of the steps. `matrices`: those of `FlightMode._step_matrices`.
+    same at the ends of the steps. `matrices`: see `FlightMode._step_matrices`.
     """
     before = np.einsum("...i,...ij->...j", costates[..., :-1], matrices)  # p and R
     later_reach, later_absolute = costates[..., -2:-1], costates[..., -1:]
@@ -371,7 +371,7 @@ def _reverses(reach: FloatArray, absolute_reach: FloatArray) -> BoolArray:
     """Return whether the effect of a deflection changes its sign after each of n times, ``(n,)``.
 
     It is p.b, the effect on the unstable component p.x of the states x, p being its costate and b
-    the deflection's column. Its integral from then on is `reach`, and that of its size
+    the deflection's column. Its integral from then on is `reach`, and the integral of its size
     `absolute_reach`, ``(n,)`` each.
     """
     return np.abs(reach) < (1.0 - _REACH_ROUNDING) * absolute_reach

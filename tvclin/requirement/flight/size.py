@@ -527,7 +527,7 @@ def _arising_times(
 
     Parameters vary; NaN for winds that are moved to each flight time, not fixed in flight time.
     `placed`, `along`: winds, and requirements along the flight, by flight time and wind. `bands`:
-    dead bands K: their time is that of the exit; of trim and minimum that of the largest trim.
+    dead bands K: their time is the exit; of trim and minimum it is the largest trim.
     """
     fixed = np.array([[wind.fixed for wind in row] for row in placed])
     if not fixed.any():

@@ -522,7 +522,7 @@ def _needs(sizing: Sizing, requirement: Requirement) -> list[tuple[float, float]
 def flight_end(sizing: Sizing, time: float | None) -> str:
     """Return which end of the flight of a sizing a worst time [s] is, in words.
 
-    Ends are those of the schedule, of a known wind, and of the flight times that are sized. Empty
+    Ends are of the schedule, of a known wind, and of the flight times that are sized. Empty
     between the ends, and without a time.
     """
     if time is None:
