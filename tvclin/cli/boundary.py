@@ -236,9 +236,9 @@ def print_in_wind(
 
 
 def _verdict(known_wind: KnownWind, case: StudyPlan) -> str:
-    """Return the verdict on the minimum peak, of a sounding on the part within its window.
+    """Return the verdict on the minimum peak; of a sounding the wind in its time window counts.
 
-    Where the window cuts a wind that is not calm, the wind begins or ends with a step.
+    Where the window cuts a wind that is not calm, the verdict says that it has a step there.
     """
     if not isinstance(case.wind, SoundingWind):
         return known_wind.verdict("this wind")

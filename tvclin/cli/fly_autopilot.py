@@ -271,7 +271,7 @@ def fly_autopilot(linear: LinearCase, more: bool, times: Any) -> "AutopilotFligh
     return AutopilotFlight(
         linear=linear,
         compared=compared,
-        worst=_worst(compared, case.wind_in_plane),
+        worst=_worst_duration(compared, case.wind_in_plane),
         required=study_requirement(case, case.dead_band),
         requirement=requirement,
         reason=reason,
@@ -573,10 +573,11 @@ class AutopilotFlight:
             yield "worst duration", (f"{worst.duration:.3g} s, ", *deflection, end)
 
 
-def _worst(compared: TrimComparison, wind: Any) -> WorstDuration | None:
+def _worst_duration(compared: TrimComparison, wind: Any) -> WorstDuration | None:
     """Return the duration of a pulse with the largest deflection of an autopilot.
 
-    `compared`: the autopilot in the wind. None for a sounding, and for an unstable loop.
+    `compared`: the autopilot in the wind, compared with ideal trim. None for a sounding, and for an
+    unstable loop.
     """
     if not isinstance(wind, ShapedWind) or not compared.margins.stable or not wind.peak:
         return None

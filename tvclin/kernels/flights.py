@@ -183,7 +183,8 @@ def move_interval(
 
     A delayed command divides a sample into two intervals. `interval`: index, 0 after the arrival of
     the command. `begin`, `end`: its times [s]. In substeps where the nozzle may reach a limit, else
-    in one step.
+    in one step; the states `now.y` become those at its end, `now.next`, and the times of substeps
+    and their states are kept for plots (`write_track_row`).
     """
     p = f.cases.vehicle[i]
     substep, count = f.steps.short[p, interval], f.steps.substeps[p, interval]  # length, number

@@ -230,7 +230,8 @@ def is_flight(source: str | PathLike[str]) -> bool:
 def is_flight_with_keys(source: str | PathLike[str]) -> bool:
     """Return whether a source is a flight schedule to which --set has added keys.
 
-    Such a source is the text of a study of the schedule with these keys, and no single vehicle.
+    Such a source is the text of a study whose tables are of its vehicle alone, as --set leaves
+    them, and whose vehicle is the schedule.
     `source`: text or name of the file, as `source_tables` takes it.
     """
     return _of_a_vehicle(source_tables(source)) and is_schedule(vehicle_source(source))

@@ -126,10 +126,10 @@ def step_times(wind: History, motion: Motion, parts: float = 1) -> FloatArray:
 
 
 def _interval_times(wind: History, motion: Motion, parts: float) -> list[FloatArray]:
-    """Return times [s] of the steps in each interval between two breakpoints, as `step_times`.
+    """Return times [s] of the steps in each interval between two breakpoints.
 
-    Those of an interval are ``(n, steps, 3)``. `motion`: equations of a vehicle. `parts`: number of
-    substeps of each step.
+    An array for each interval, ``(winds, steps, 3)``: begin, middle and end of each step. `motion`:
+    equations of a vehicle. `parts`: number of substeps of each step.
     """
     knots, counts = step_counts(wind, motion)
     # of each wind by itself: the largest numbers of all intervals may add up to several times more
@@ -143,10 +143,10 @@ def _interval_times(wind: History, motion: Motion, parts: float) -> list[FloatAr
         )
     counts = counts.max(axis=0)
     widths, inside = np.diff(knots, axis=-1), np.array([0.0, 0.5, 1.0])
-    intervals = []  # times of the n steps in each interval between two breakpoints
+    intervals = []  # times of the steps in each interval between two breakpoints
     for i in np.flatnonzero(counts):
-        n = int(counts[i] * parts)
-        fractions = (np.arange(n)[:, np.newaxis] + inside) / n
+        steps = int(counts[i] * parts)
+        fractions = (np.arange(steps)[:, np.newaxis] + inside) / steps
         times = knots[:, i, None, None] + widths[:, i, None, None] * fractions
         times[:, -1, 2] = knots[:, i + 1]  # not beyond, by rounding
         intervals.append(times)

@@ -330,9 +330,10 @@ def _steps(batch: Batch, plant: LinearSystem, terms: int) -> Steps:
     period, delay = (spread_to(a, shape) for a in (hardware.period, hardware.delay))
     with_actuator = plant_with_actuator(batch.plant, hardware.actuator, batch.laws.sensors)
     with_actuator = with_actuator.cases(np.arange(period.size), shape)  # batch axis (p,)
-    # further states generate the polynomial wind
+    # further states generate the polynomial wind; the command of the nozzle stays an input
     driven = connect([with_actuator, polynomial_input("wind", terms)], INPUTS[:1], ())
     timing = Timing.of(hardware, shape, period, delay)
+    # at a limit: plants with further states for a straight deflection, and their own equations
     return steps_of(driven, with_ramp(plant), plant, timing, terms)
 
 

@@ -295,7 +295,8 @@ class FlightMode:
     @cached_property
     def _last_unstable(self) -> float:
         """Last of the times `_rows` with a real unstable pole [s]; minus infinity without one."""
-        reach = unstable_end(self._plants_at(self._rows))[..., -1]  # NaN without such a pole
+        # control reach of the unstable mode at each time, the last entry; NaN without such a pole
+        reach = unstable_end(self._plants_at(self._rows))[..., -1]
         return float(np.max(self._rows[~np.isnan(reach)], initial=-np.inf))
 
     def _equations(self, t: Any) -> FloatArray:
