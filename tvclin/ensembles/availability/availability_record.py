@@ -148,7 +148,10 @@ class Availability(Tabled):
         return float(begins.max(initial=first)), float(ends.min(initial=last))
 
     def fraction(self) -> Any:
-        """Return the fraction of soundings that fly, a `SurvivalFraction`; a tuple by azimuth."""
+        """Fraction of all soundings that survive at the limit, a `SurvivalFraction`.
+
+        A tuple of fractions, one for each launch azimuth, where the archive is judged at several.
+        """
         return self._fractions(self.limit)
 
     def reaches(self, fraction: float) -> Any:

@@ -425,7 +425,7 @@ def doubtful_winds(angles: Mapping[str, float]) -> list[str]:
 def slower_modes_message(times: FloatArray, raised: FloatArray) -> Iterator[str]:
     """Yield a message on flight times [s] at which slower unstable modes raise the minimum.
 
-    They count as those of the vehicle when the wind ends, while the fastest mode follows the
+    They count as modes of the vehicle when the wind ends, while the fastest mode follows the
     flight. `raised`: whether they do by more than 5 percent, by time and wind.
     """
     if at := times[np.any(raised, axis=1)].tolist():
