@@ -367,24 +367,22 @@ def limit_tables(
             any_law = number_cell(f"{key}.any{unit}", scale * wind_bound.no_forecast)
             yield ((wind,), *cells, any_law)
 
-    def minimum_rows() -> Iterator[tuple[Line, ...]]:
-        """Yield a row of each wind: trim [deg], the minimum of any control [deg], and over trim.
-
-        Each number has a key for JSON: laws.0.ideal_deg is the trim of the first wind.
-        """
-        for j, (wind, (trim, _, minimum)) in enumerate(wind_bounds.items()):
-            ideal = number_cell(f"laws.{j}.ideal_deg", trim)
-            deflection = number_cell(f"laws.{j}.minimum_deg", trim * minimum)
-            ratio = number_cell(f"laws.{j}.minimum", minimum)
-            yield (wind,), ideal, deflection, ratio
-
+    minimum_rows = tuple(
+        (
+            (wind,),
+            number_cell(f"laws.{j}.ideal_deg", trim),
+            number_cell(f"laws.{j}.minimum_deg", trim * minimum),
+            number_cell(f"laws.{j}.minimum", minimum),
+        )
+        for j, (wind, (trim, _, minimum)) in enumerate(wind_bounds.items())
+    )
     trims = {wind: entry.trim_deg for wind, entry in wind_bounds.items()}
     beyond = ("wind", "trim in that wind [deg]", f"{WIND_KNOWN} [deg]", "over trim")
     over_trim = tuple(rows("", dict.fromkeys(trims, 1.0)))
     return (
         Table("Required deflection limit of each law [deg]", head, tuple(rows("_deg", trims))),
         Table("Required limit of each law, over trim in that wind", head, over_trim),
-        Table("Trim in each wind, and the minimum of any control", beyond, tuple(minimum_rows())),
+        Table("Trim in each wind, and the minimum of any control", beyond, minimum_rows),
     )
 
 

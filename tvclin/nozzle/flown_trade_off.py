@@ -89,23 +89,19 @@ class FlownTradeOff(Shown):
         """Return the limit of each law at each rate, with the bound without a forecast."""
         bounds, rates = self.minimum.no_forecast_bounds, self.minimum.rates
         lower = {} if bounds is None else {"any law, at least": bounds}
-
-        def cells(k: int) -> Iterator[Line]:
-            """Yield the cells of the row of the k-th rate limit: the rate, and limits by law.
-
-            `lower` is the bound without a forecast, the last column.
-            """
-            yield degrees(f"laws.{k}.rate", rates[k])
+        rows: list[tuple[Line, ...]] = []
+        for k, rate in enumerate(rates):
+            cells = [degrees(f"laws.{k}.rate", rate)]
             for name, values in (self.limits | lower).items():
                 shown = degrees(f"laws.{k}.{name}", values[k])
                 # a star where some lower limits survive as well
                 odd = name in self.monotone and not self.monotone[name][k]
                 star = ("*",) if odd else ()
-                yield (*shown, *star) if np.isfinite(values[k]) else ("none",)
-
+                cells.append((*shown, *star) if np.isfinite(values[k]) else ("none",))
+            rows.append(tuple(cells))
         caption = "Required deflection limit of each law in flight [deg]"
         head = ("rate limit [deg/s]", *self.limits, *lower)
-        return (Table(caption, head, tuple(tuple(cells(k)) for k in range(rates.size))),)
+        return (Table(caption, head, tuple(rows)),)
 
     @property
     def notes(self) -> Iterator[str]:

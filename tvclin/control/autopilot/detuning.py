@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tvclin.base.arrays import BoolArray, FloatArray, IndexArray
+from tvclin.base.arrays import BoolArray, FloatArray
 from tvclin.base.cards import table
 from tvclin.base.errors import InputError, instance, one_of, one_row, positive, single
 from tvclin.base.fields import document
@@ -357,21 +357,6 @@ def stable_ranges(
     names, _ = named_modes(plant)
     mode_count = len(names)
 
-    def unstable(factors: FloatArray, modes: IndexArray) -> BoolArray:
-        """Return whether the `autopilot` around the `plant` is unstable or marginal, ``(m, n)``.
-
-        `factors`: on the frequency of one mode in each row, ``(m, n)``. `modes`: index of each
-        row's mode, ``(m,)``.
-        """
-        frequency = np.ones((factors.size, mode_count))
-        frequency[np.arange(factors.size), np.repeat(modes, factors.shape[1])] = factors.ravel()
-        damping = np.ones_like(frequency)
-        structure = structure_with_mode_factors(plant.structure, frequency, damping)
-        loop = autopilot.exact_loop(replace(plant, structure=structure))
-        verdict = stability(loop.form)
-        fails = (verdict.unstable_poles > 0) | verdict.marginal
-        return np.asarray(fails).reshape(factors.shape)
-
     # One row for each mode with factors below one, then for each with factors above one; `rows` are
     # the numbers of those that become unstable. They do so between the factors `inner` (stable) and
     # `outer` (unstable), which each refinement brings closer.
@@ -381,7 +366,14 @@ def stable_ranges(
     for refinement in range(_REFINEMENTS + 1):
         fractions = np.linspace(0.0, 1.0, 1 + (_PARTS if refinement else intervals))
         factors = inner[:, np.newaxis] + (outer - inner)[:, np.newaxis] * fractions
-        fails = unstable(factors, rows % mode_count)
+        # a loop for each factor, on the frequency of the mode of its row
+        frequency = np.ones((factors.size, mode_count))
+        modes = np.repeat(rows % mode_count, factors.shape[1])
+        frequency[np.arange(factors.size), modes] = factors.ravel()
+        damping = np.ones_like(frequency)
+        structure = structure_with_mode_factors(plant.structure, frequency, damping)
+        verdict = stability(autopilot.exact_loop(replace(plant, structure=structure)).form)
+        fails = ((verdict.unstable_poles > 0) | verdict.marginal).reshape(factors.shape)
         fails[:, -1] |= refinement > 0  # `outer` is known to be unstable
         exists, first = np.any(fails, axis=1), np.argmax(fails, axis=1)  # first unstable factor
         rows, first, factors = rows[exists], first[exists], factors[exists]

@@ -20,7 +20,7 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Column, Columns, Record
 from tvclin.base.fields import spec
 from tvclin.base.lines import listed
-from tvclin.base.sheet import Headings, cell_number, read_sheet
+from tvclin.base.sheet import cell_number, read_sheet
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.feedback import GAINS
@@ -314,15 +314,13 @@ def load_gains(source: str | PathLike[str]) -> tuple[GainTable, dict[str, FloatA
         For a cell that is no number, an unknown column, no or several columns of variables, values
         that do not rise, and a table without both attitude_gain and rate_gain.
     """
-
-    def known_keys(headings: Headings) -> float:
-        """Return in how many columns a line of the file has names of a table of gains.
-
-        The line with most of them has the headings.
-        """
-        return float(sum(_is_known(heading.text) for heading in headings))
-
-    sheet = read_sheet(source, "a table of gains", known_keys, _KEYS)
+    sheet = read_sheet(
+        source,
+        "a table of gains",
+        # the line with most known names has the headings
+        lambda headings: float(sum(_is_known(heading.text) for heading in headings)),
+        _KEYS,
+    )
     keys = [heading.text for heading in sheet.headings]
     for key in keys:
         if not _is_known(key):
