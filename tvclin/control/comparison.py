@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -406,11 +405,13 @@ def compare_with_trim(plant: AnyPlant, autopilot: Autopilot, wind: History) -> T
     warn_of_feedback(autopilot, plant)
     trim = abs(float(plant.coefficients.B * wind.peak))
     continuous = autopilot.continuous
-    peaks = (
-        _peaks(plant, continuous, wind)
-        if margins.stable
-        else dict.fromkeys((*_PEAKS, _PEAK_RATE), np.inf)
-    )
+    peaks = dict.fromkeys((*_PEAKS, "peak_deflection_rate"), np.inf)  # of an unstable loop
+    if margins.stable:
+        response = continuous.wind_response(plant, wind)
+        for name, output in _PEAKS.items():
+            has_output = output in response.labels  # a fixed path has no flight path angle
+            peaks[name] = abs(response.peak(output)[0]) if has_output else np.nan
+        peaks["peak_deflection_rate"] = response.peak_rate("deflection")
     notes = [] if margins.stable else [margins.reason]
     if autopilot.sample_rate is not None:
         notes.append(
@@ -442,21 +443,6 @@ _PEAKS = {
     "peak_flight_path_angle": "flight_path_angle",
 }
 """Outputs of a loop by the names of their peaks."""
-_PEAK_RATE = "peak_deflection_rate"
-
-
-def _peaks(plant: AnyPlant, autopilot: Autopilot, wind: History) -> dict[str, Any]:
-    """Return the peaks [rad, rad/s] of the closed loop in a wind, by their names in the result.
-
-    `plant`, `autopilot`: one each. NaN for the flight path angle of a plant without it.
-    """
-    response = autopilot.wind_response(plant, wind)
-    peaks = dict.fromkeys(_PEAKS, np.nan)
-    for name, output in _PEAKS.items():
-        if output in response.labels:
-            value, _ = response.peak(output)
-            peaks[name] = abs(value)
-    return peaks | {_PEAK_RATE: response.peak_rate("deflection")}
 
 
 def _boundaries(plant: Plant, wind: History) -> tuple[dict[float, float], list[str]]:

@@ -88,17 +88,16 @@ class VaryingLoop:
             constant = np.all(values == values[0])
             return values[0] if constant else self._interpolated(values, times)
 
-        def signal(output: str) -> Signal:
-            """Return an output, y = row x + direct alpha_w, and its rate if it has one."""
+        signals = {}
+        for output in self.labels:
             row, direct, rate = self._nodes.signal(output)  # at the nodes
             if rate is not None:
                 rate_row, rate_direct = map(varying, rate)  # row x' as such a sum
                 if np.any(row != row[0]):
                     rate_row = rate_row + self._interpolated(row, times, slopes=True)
                 rate = rate_row, rate_direct
-            return Signal(varying(row), varying(direct), rate)
-
-        return {output: signal(output) for output in self.labels}
+            signals[output] = Signal(varying(row), varying(direct), rate)
+        return signals
 
     def _interpolated(
         self, values: FloatArray, times: FloatArray, *, slopes: bool = False
