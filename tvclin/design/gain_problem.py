@@ -8,7 +8,7 @@ falling limits until a flight diverges, so that the highest limit that diverges 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial, reduce
 from operator import add
 from typing import Any
@@ -23,8 +23,8 @@ from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import GIVEN_GAINS
 from tvclin.control.autopilot.feedback import CHAINS
 from tvclin.control.margins.bands import band_margins
-from tvclin.control.margins.criteria import Criteria, Criterion, Judgement
-from tvclin.control.margins.margins import MARGINS, Margins, margins_of
+from tvclin.control.margins.criteria import Criteria, Judgement
+from tvclin.control.margins.margins import Margins, margins_of
 from tvclin.flights.closed_loop.checks import check_sample_rate
 from tvclin.flights.closed_loop.fly_many import MAX_DEFLECTION_LIMIT, SURVIVED, fly_many
 from tvclin.linear.flexible import AnyPlant, FlexiblePlant, check_plant, named_modes
@@ -229,7 +229,7 @@ class GainProblem:
         worst = np.max(np.nan_to_num(fractions, nan=_UNSTABLE), axis=0)
         shortfalls = np.where(margins.stable, worst, _UNSTABLE)
         good = np.flatnonzero(shortfalls <= 0.0)
-        if self.plant.structure is not None and good.size and self._mode_limits:
+        if self.plant.structure is not None and good.size and self.criteria.has_mode_limits:
             shortfalls[good] = np.maximum(shortfalls[good], self._mode_shortfalls(points[good]))
         return np.asarray(shortfalls)
 
@@ -237,11 +237,6 @@ class GainProblem:
         """Return the judgements of `margins` of the whole loop, not of its modes."""
         criteria = self.criteria.without_mode_limits
         return () if criteria is None else criteria.judge(margins)
-
-    @property
-    def _mode_limits(self) -> tuple[Criterion, ...]:
-        """The criteria for margins of modes, which are no margins of the whole loop."""
-        return tuple(limit for limit in self.criteria.limits if limit.margin not in MARGINS)
 
     def _mode_shortfalls(self, points: FloatArray) -> FloatArray:
         """Return the largest relative shortfall of the margins of modes, by row of gains, ``(n,)``.
@@ -255,8 +250,9 @@ class GainProblem:
         # limits them, and they are most of the work
         bands = band_margins(loop, *named_modes(self.plant), delays=False)
         worst = np.full(len(points), -np.inf)
-        for verdict in replace(self.criteria, limits=self._mode_limits).judge(bands):
-            worst = np.maximum(worst, np.nan_to_num(-verdict.relative_surplus, nan=_UNSTABLE))
+        for judged in self.criteria.judge(bands):
+            if judged.band:  # of a mode
+                worst = np.maximum(worst, np.nan_to_num(-judged.relative_surplus, nan=_UNSTABLE))
         return worst
 
 

@@ -324,7 +324,9 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
     # deflection over trim: the gains have all margins.
     linear = partial(_cost, problem, partial(_linear_peaks, problem))
     points, costs = box_minimum(linear, axes, islands=pools, **options, **_LINEAR_SEARCH)
-    if costs[0] < UNSATISFIED_COST and problem.limits:
+    if costs[0] >= UNSATISFIED_COST:
+        raise UnsatisfiedCriteriaError(problem, problem.autopilot(points[0]))
+    if problem.limits:
         flown, final = (
             partial(_cost, problem, partial(required_limits, problem, scan_count=n))
             for n in (_SEARCH_SCAN, _FINAL_SCAN)
@@ -334,9 +336,6 @@ def solve_problem(problem: GainProblem, start: FloatArray | None = None) -> Mini
         options |= search | {"start": points, "tolerance": _LIMIT_TOLERANCE}
         points, _ = box_minimum(flown, axes, **options)
         points, _ = box_minimum(final, axes, start=points, over_box=False, **_REFINEMENT)
-    if costs[0] >= UNSATISFIED_COST:
-        raise UnsatisfiedCriteriaError(problem, problem.autopilot(points[0]))
-    if problem.limits:
         best = _rounded(problem, points[0])
         return _record(problem, best, _boundaries(problem, problem.autopilot(best), problem.stops))
     # The peaks of the search are those of samples: the best of a few by exact peaks.
