@@ -247,11 +247,8 @@ class Structure(_Batched):
 
     def tables(self) -> list[Table]:
         """Return the tables of bending modes, tanks, engine and sensors that exist, in SI units."""
-        engine = () if self.engine is None else (self.engine,)
         tables = [
-            *_element_tables("Bending", "bending", self.bending),
-            *_element_tables("Slosh", "slosh", self.slosh),
-            *_element_tables("Engine", "engine", engine),
+            _element_table(kind, elements) for kind, elements in self._elements.items() if elements
         ]
         lags = {"attitude": self.attitude_sensor, "rate gyro": self.rate_gyro}
         sensors = tuple(
@@ -264,16 +261,18 @@ class Structure(_Batched):
 
     def _rows(self) -> list[Row]:
         """Return label, value and unit of every number of modes, tanks and engine, for `repr`."""
-        elements: dict[str, Any] = {
-            f"bending {k}": mode for k, mode in enumerate(self.bending, start=1)
-        }
-        elements |= {f"slosh {k}": tank for k, tank in enumerate(self.slosh, start=1)}
-        elements |= {} if self.engine is None else {"engine": self.engine}
         return [
-            (f"{name}, {label}", value, unit)
-            for name, element in elements.items()
+            (f"{kind} {k}, {label}".replace("engine 1,", "engine,"), value, unit)
+            for kind, elements in self._elements.items()
+            for k, element in enumerate(elements, start=1)
             for label, value, unit in card_rows(element)
         ]
+
+    @property
+    def _elements(self) -> dict[str, tuple[Any, ...]]:
+        """Modes, tanks and engine by kind: "bending", "slosh" and "engine"."""
+        engine = () if self.engine is None else (self.engine,)
+        return {"bending": self.bending, "slosh": self.slosh, "engine": engine}
 
     @property
     def parts(self) -> str:
@@ -342,14 +341,11 @@ def _shapes(value: Any, name: str) -> Iterator[tuple[str, tuple[int, ...]]]:
         yield name, np.shape(value)
 
 
-def _element_tables(caption: str, name: str, elements: Sequence[Any]) -> Iterator[Table]:
-    """Yield the table of elements of one kind, a column each; nothing without elements.
+def _element_table(kind: str, elements: Sequence[Any]) -> Table:
+    """Return the table of one or more elements of a `kind`, such as "bending", a column each.
 
-    `caption`: above the table. `name`: of the kind, as in headings "bending 1" and in the keys of
-    the numbers. `elements`: modes, tanks or engines. A quantity that none of them has is omitted.
+    A quantity that none of them has is omitted.
     """
-    if not elements:
-        return
     rows: list[tuple[Line, ...]] = []
     for item in fields_of(elements[0]):  # label, unit and value of each quantity
         values = [item.value(element) for element in elements]
@@ -357,9 +353,9 @@ def _element_tables(caption: str, name: str, elements: Sequence[Any]) -> Iterato
             cells = (
                 ("-",)
                 if value is None
-                else significant(f"structure.{name}.{k}.{item.name}", value, 6)
+                else significant(f"structure.{kind}.{k}.{item.name}", value, 6)
                 for k, value in enumerate(values)
             )
             rows.append(((item.heading,), *cells))
-    head = ("quantity", *(f"{name} {k}" for k in range(1, len(elements) + 1)))
-    yield Table(caption, head, tuple(rows))
+    head = ("quantity", *(f"{kind} {k}" for k in range(1, len(elements) + 1)))
+    return Table(kind.capitalize(), head, tuple(rows))
