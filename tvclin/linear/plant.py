@@ -331,8 +331,8 @@ class Plant(WithCoefficients):
             # the equation gamma' + h gamma = a theta + .. of the flight path has in a free mode the
             # solution gamma = p a/(p (p + h) + q) theta, q being the gravity term of the speed
             gravity_term = self.coefficients.q if self.model == "drift-and-speed" else 0.0
-            terms = (self._path.attitude, self._path.damping, gravity_term)
-            a, h, q = (np.asarray(term)[..., np.newaxis] for term in terms)
+            a, h, *_ = self._path
+            a, h, q = (np.asarray(term)[..., np.newaxis] for term in (a, h, gravity_term))
             divisor = poles * (poles + h) + q
             constant = divisor == 0.0  # p = 0 in the drift model: gamma equals theta
             path = np.where(constant, 1.0, poles * a / np.where(constant, 1.0, divisor))
@@ -506,9 +506,9 @@ class Plant(WithCoefficients):
         B[..., 1, 0], B[..., 1, 1] = -c.mu_delta, -c.mu_alpha
         if order > 2:
             A[..., 1, 2] = -c.mu_alpha
-            path = self._path  # coefficients [1/s] of the flight path equation
-            A[..., 2, 0], A[..., 2, 2] = path.attitude, -path.damping
-            B[..., 2, 0], B[..., 2, 1] = path.deflection, -path.wind
+            a, h, d, w = self._path  # gamma' + h gamma = a theta + d delta - w alpha_w
+            A[..., 2, 0], A[..., 2, 2] = a, -h
+            B[..., 2, 0], B[..., 2, 1] = d, -w
         if order > 3:
             A[..., 2, 3] = np.sqrt(c.q)
             A[..., 3, 2] = -np.sqrt(c.q)
@@ -546,8 +546,7 @@ class Plant(WithCoefficients):
         w [1/s], is put into theta'' = mu_alpha alpha - mu_delta delta - damping theta', the moment
         equation, with alpha = theta - gamma - alpha_w, and solved for gamma.
         """
-        c, path = self.coefficients, self._path
-        a, d, w = path.attitude, path.deflection, path.wind
+        c, (a, _, d, w) = self.coefficients, self._path
         if input == "deflection":
             terms = (d, c.damping * d, -c.mu_alpha * d - a * c.mu_delta)
         else:
@@ -557,7 +556,7 @@ class Plant(WithCoefficients):
         return polynomials.times_variable(numerator, int(self.model == "drift-and-speed"))
 
     @property
-    def _path(self) -> _PathCoefficients:
+    def _path(self) -> tuple[Any, Any, Any, Any]:
         """Coefficients a, h, d, w [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w.
 
         Equation of the flight path angle gamma, with attitude theta and deflection delta: eq (B7),
@@ -565,34 +564,16 @@ class Plant(WithCoefficients):
         """
         c = self.coefficients
         if self.model == "drift":
-            return _PathCoefficients(attitude=0.0, damping=0.0, deflection=c.b1 / c.B, wind=-c.b2)
+            return 0.0, 0.0, c.b1 / c.B, -c.b2
         if np.any(np.asarray(c.mu_alpha) == 0.0):
             raise InputError(
                 "the flight path does not follow from the coefficients of a vehicle with mu_alpha"
                 ' = 0; use model "fixed-path" or an aerodynamic_arm other than zero'
             )
         gravity = c.C2 / c.mu_alpha  # g sin(Theta_n)/V_n
-        return _PathCoefficients(
-            attitude=c.C1 + gravity,
-            damping=c.C1,
-            deflection=(c.b1 - c.C1) / c.B,
-            wind=c.C1 - c.b2,
-        )
+        return c.C1 + gravity, c.C1, (c.b1 - c.C1) / c.B, c.C1 - c.b2
 
     def _stack(self, polynomial: tuple[Any, ...]) -> FloatArray:
         """Return k coefficients, each a number or of the batch, as one array ``(*batch, k)``."""
         columns = [np.broadcast_to(np.asarray(p, float), self.batch) for p in polynomial]
         return np.stack(columns, axis=-1)
-
-
-@dataclass(frozen=True)
-class _PathCoefficients:
-    """Coefficients [1/s] of gamma' + h gamma = a theta + d delta - w alpha_w.
-
-    `attitude`: a. `damping`: h. `deflection`: d. `wind`: w.
-    """
-
-    attitude: Any
-    damping: Any
-    deflection: Any
-    wind: Any
