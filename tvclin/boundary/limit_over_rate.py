@@ -558,8 +558,7 @@ def _minimum_rate(deflection: Callable[[float], float], limit: float, lowest: fl
     def excess(exponent: float) -> float:
         """Return 1/minimum - 1/limit [1/rad] at the rate `lowest` e^`exponent`; it rises.
 
-        `deflection` returns the minimum deflection at a rate, infinite near the lowest rate, where
-        none is sufficient; its reciprocal is zero there.
+        Near the lowest rate, where no deflection is sufficient, 1/minimum is zero.
         """
         minimum = deflection(float(np.exp(exponent)) * lowest)
         return 1.0 / minimum - 1.0 / limit

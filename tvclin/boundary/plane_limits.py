@@ -203,18 +203,13 @@ def _requirement_after_trim(
     def trimmed_minimum(limit: float, sufficient: float, solved: bool) -> float:
         """Return m(L) [rad] at the `limit` L, or an upper bound of it.
 
-        m(L) is the minimum limit that both planes require for all their unstable modes after trim.
-        Trim ends where `gauges`, the gauge of the `driver` at `times` [s], first is K L, K being
-        the dead band. The bound is the gauge of the rectangle of each plane's own minimum; it is
-        taken if it is at most `sufficient` [rad], or m is not `solved`.
+        Trim ends where the gauge of the `driver` first is K L. The bound is the gauge of the
+        rectangle of each plane's own minimum; it is taken if it is at most `sufficient` [rad], or m
+        is not `solved`.
         """
 
         def excess(t: float) -> float:
-            """Return the gauge of the `driver` [rad] at `t` [s] less K `limit`, zero as trim ends.
-
-            The driver is trim, or on the wind -B alpha_w, trim without drift; its gauge is the
-            limit whose `limit_shape` just contains it.
-            """
+            """Return the driver's gauge [rad] at `t` [s] less K `limit`, zero as trim ends."""
             return float(limit_shape.gauge(driver(np.asarray([t])))[0]) - K * limit
 
         # at the end of the wind without an earlier exit of the dead band

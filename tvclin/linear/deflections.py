@@ -205,10 +205,7 @@ def exit_time(deflection: History, limit: ArrayLike, dead_band: ArrayLike) -> Fl
     pieces = algebra.spread(relative.pieces, shape)
 
     def excess(t: FloatArray, index: IndexArray) -> FloatArray:
-        """Return deflection/limit - K at times t [s] of k cases at positions `index`, ``(k,)``.
-
-        `pieces` are of deflection/limit, `level` is the dead band K of all cases.
-        """
+        """Return deflection/limit - K at times t [s] of k cases at positions `index`, ``(k,)``."""
         values = algebra.value(algebra.take(pieces, index), t[:, np.newaxis])[:, 0]
         return np.real(values) - level.ravel()[index]
 

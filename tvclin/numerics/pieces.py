@@ -394,8 +394,7 @@ def remaining_integral(pieces: Pieces, s: AnyArray) -> Callable[[FloatArray], An
         """Return the integrals from times t ``(..., m)`` [s] on; infinite where they diverge.
 
         `local` is of the rest of the piece at t, `tail` of the later ones, and `lead` of all,
-        where t is before the first knot. `at_knots` and `after` are the integrals from the start
-        and from the end of each piece on, `widths` the lengths [s] of the pieces, `column` s.
+        where t is before the first knot.
         """
         index, u = locate(pieces, t)
         before_first = u < 0.0

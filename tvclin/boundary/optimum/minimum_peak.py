@@ -453,8 +453,8 @@ def _pair_peaks(poles: AnyArray, demands: AnyArray) -> FloatArray:
     def negative(zero: FloatArray, i: IndexArray) -> FloatArray:
         """Return minus the lower bounds of the peak, over omega (1 + k^2), at m phases, ``(c, m)``.
 
-        `i`: indices of c pairs, with poles omega (k + j) [1/s] and `demands` d. `zero`: first zero
-        of cos(x + phi), x = pi/2 - phi, for each phase phi, ``(m,)`` or ``(c, m)``.
+        `i`: indices of c pairs. `zero`: first zero of cos(x + phi), x = pi/2 - phi, for each phase
+        phi, ``(m,)`` or ``(c, m)``.
         """
         minus_phase = zero - 0.5 * np.pi
         projected = np.abs(np.real(demands[i, np.newaxis] * np.exp(1j * minus_phase)))

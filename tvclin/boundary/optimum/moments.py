@@ -406,10 +406,7 @@ def _refined(
     sign = np.sign(multipliers @ function(times[intervals + 1]))
 
     def rising(u: FloatArray, k: IndexArray) -> FloatArray:
-        """Return the sum lambda . function at `u` [s], a time in each interval, times a sign.
-
-        `sign`: sign of the sum at the end of interval `k`, so that it rises through its zero.
-        """
+        """Return the sum at a time `u` [s] in each interval `k`, with a sign so that it rises."""
         return np.asarray(sign[k] * (multipliers @ function(u)))
 
     return roots_between(times[intervals], times[intervals + 1], rising)

@@ -44,11 +44,10 @@ def switch_time(
     c = [pole * demand for pole, demand in zip(poles, demands, strict=True)]
 
     def excess(t: float) -> float:
-        """Return c1 (1 - 2 E2 + F2) - c2 (1 - 2 E1 + F1) for a switch at `t` [s], zero by eq (C5).
+        """Return the left minus the right side of eq (C5) for a switch at `t` [s].
 
-        E_i = e^(-p_i t), F_i = e^(-p_i H), c_i = p_i d_i of the two `poles` p_i [1/s], `demands`
-        d_i [rad s], and `horizon` H [s]. Each 1 - 2 E + F is a fixed term and one that moves with
-        `t`, subtracted separately, so that equal fixed terms cancel exactly.
+        Each 1 - 2 E + F is a fixed term and one that moves with `t`, subtracted separately, so that
+        equal fixed terms cancel exactly.
         """
         # poles[0] has E1 and F1, and by eq (C5) stands with c2 = c[1]
         (fixed1, moving1), (fixed2, moving2) = (_moment_terms(pole, t, horizon) for pole in poles)
