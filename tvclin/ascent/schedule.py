@@ -13,14 +13,13 @@ from numpy.typing import ArrayLike
 
 from tvclin.ascent.atmosphere import speed_of_sound, standard_atmosphere
 from tvclin.ascent.nominal_flight import FlightCondition, nominal_flight, time_of
-from tvclin.ascent.structure_schedule import StructureSchedule, structures_at
+from tvclin.ascent.structure_schedule import StructureSchedule, structures_at, table_reader
 from tvclin.base import errors
 from tvclin.base.arrays import FloatArray, IndexArray
 from tvclin.base.cards import Shown
 from tvclin.base.fields import derived, spec
 from tvclin.base.files import called, write_text
 from tvclin.linear.plant import Plant
-from tvclin.numerics.tables import TableLines
 from tvclin.vehicle.vehicle import AIR_FORCES, NUMBERS, Vehicle
 from tvclin.vehicle.vehicle_file import VEHICLE_TABLE
 
@@ -375,9 +374,9 @@ def vehicles_at(
     They are constant outside the schedule. `time`: times, ``(...)``. `which`: index of the flight
     of each, ``(...)``. `pressure`: dynamic pressure over the nominal one, q/q_n, ``(...)``.
     """
-    lines = TableLines(rows=flights[0].times, at=time, table=which)
+    read = table_reader(flights[0].times, time, which)
     tables = [_numbers(flight.vehicle) for flight in flights]
-    numbers = {name: lines.values([table[name] for table in tables]) for name in tables[0]}
+    numbers = {name: read([table[name] for table in tables]) for name in tables[0]}
     # normal and axial force are in proportion to the dynamic pressure
     numbers |= {name: np.multiply(numbers[name], pressure) for name in AIR_FORCES}
     structures = [flight.structure for flight in flights if flight.structure is not None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from os import PathLike
 from typing import Any
@@ -16,7 +16,6 @@ from tvclin.base.errors import InputError, each, finite, instance, naming, one_o
 from tvclin.base.fields import spec
 from tvclin.base.lines import listed
 from tvclin.base.sheet import Headings, Sheet, cell_number, read_sheet
-from tvclin.numerics.tables import TableLines
 from tvclin.vehicle.filters import Filter
 from tvclin.vehicle.structure import BendingMode, SloshTank, Structure
 from tvclin.vehicle.vehicle_file import BENDING_TABLE, SLOSH_TABLE, bending_mode
@@ -293,26 +292,58 @@ def structures_at(
 
     `time`: times, ``(...)``. `which`: index of the schedule of each, ``(...)``.
     """
-    lines = TableLines(rows=schedules[0].times, at=time, table=which)
-    structure: Structure = _interpolated([schedule.structure for schedule in schedules], lines)
+    read = table_reader(schedules[0].times, time, which)
+    structure: Structure = _interpolated([schedule.structure for schedule in schedules], read)
     return structure
 
 
-def _interpolated(values: Sequence[Any], lines: TableLines) -> Any:
+ReadColumn = Callable[[Sequence[Any]], Any]
+"""Function from one column in each of several tables to its values at the times that are read."""
+
+
+def table_reader(times: FloatArray, at: FloatArray, table: IndexArray | int) -> ReadColumn:
+    """Return a function that reads tables with rows at common times by straight lines.
+
+    Before the first and after the last row the value is constant. `times`: of the rows [s], rising,
+    ``(n,)``. `at`: times [s] at which the tables are read, ``(...)``. `table`: index of the table
+    that is read at each, ``(...)`` or one for all. The function takes one column in each table,
+    ``(n,)`` or a number, and returns values ``(...)``, or a number that all tables share.
+    """
+    before = np.maximum(np.searchsorted(times, at, side="right") - 1, 0)  # row before each time
+    # the time since that row, zero before the first; behind the last the slope is zero
+    since = np.maximum(at - times[before], 0.0)
+
+    def read(columns: Sequence[Any]) -> Any:
+        """Return the values ``(...)`` of one column of the tables."""
+        alike = all(column is columns[0] for column in columns)
+        if alike and np.ndim(columns[0]) == 0:
+            return columns[0]
+        if all(np.ndim(column) == 0 for column in columns):
+            return np.array(columns)[table]
+        index, columns = (0, columns[:1]) if alike else (table, columns)
+        values = np.stack([np.broadcast_to(column, times.shape) for column in columns])
+        slopes = np.zeros_like(values)
+        slopes[:, :-1] = np.diff(values) / np.diff(times)
+        return slopes[index, before] * since + values[index, before]
+
+    return read
+
+
+def _interpolated(values: Sequence[Any], read: ReadColumn) -> Any:
     """Return a record, tuple, array or number of several schedules, interpolated in time.
 
     Records and tuples are interpolated field by field; filters, texts and None do not change over
     the flight, and are those of the first schedule. `values`: one for each schedule, all of one
-    type. `lines`: times at which the schedules are read, and which one at each.
+    type. `read`: function that reads one column of them.
     """
     first = values[0]
     if isinstance(first, tuple):
-        return tuple(_interpolated(elements, lines) for elements in zip(*values, strict=True))
+        return tuple(_interpolated(elements, read) for elements in zip(*values, strict=True))
     if is_dataclass(first) and not isinstance(first, Filter):
         numbers = {
-            item.name: _interpolated([getattr(value, item.name) for value in values], lines)
+            item.name: _interpolated([getattr(value, item.name) for value in values], read)
             for item in fields(first)
         }
         kind: Any = type(first)
         return kind(**numbers)
-    return lines.values(values) if isinstance(first, np.ndarray | float) else first
+    return read(values) if isinstance(first, np.ndarray | float) else first
