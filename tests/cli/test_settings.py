@@ -293,7 +293,7 @@ def test_an_option_and_its_key_answer_the_same():
     by_option = ran("respond", V, "--peak-deg", "-3", "--limit-deg", "1", "--json")
     keys = ("--set", "wind.peak_deg", "-3", "--set", "nozzle.limit_deg", "1")
     by_key = ran("respond", V, *keys, "--json")
-    assert by_key == by_option
+    assert by_key[:2] == by_option[:2]  # not what is said while a kernel is compiled
     assert json.loads(by_key[1])["wind"]["peak_deg"] == pytest.approx(-3.0)
 
 
