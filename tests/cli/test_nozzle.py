@@ -431,6 +431,16 @@ def test_flights_of_an_autopilot_say_that_nobody_specified_its_gains(question) -
 
 
 @pytest.mark.parametrize(
+    ("options", "shown"), [((), False), (("--more",), True), (("--rate-limit-deg", "1"), True)]
+)
+def test_the_table_of_a_required_rate_that_the_verdict_has_is_below_more(options, shown) -> None:
+    output = run(*options).stdout
+
+    assert ("Required rate, a lower bound" in output) is shown
+    assert "required rate of any law" in " ".join(output.split())
+
+
+@pytest.mark.parametrize(
     ("limit", "verdict"), [("0.3", "NOT SURVIVED: "), ("2", "MET: deflection")]
 )
 def test_the_verdict_over_a_flight_says_that_its_vehicle_is_frozen(limit, verdict) -> None:

@@ -304,6 +304,8 @@ def over_rate(
     drawn = laws or trade_off
     first, *further = (*(laws.tables() if laws else ()), *trade_off.tables())
     rate_words, rates, rate_tables = _required_rates(limit, theory, autopilot_rates)
+    if rate_limit is None:  # the verdict has the required rate, and nothing remains of a limit
+        further, rate_tables = [*rate_tables, *further], ()
     judged = _judged(case, trade_off, required)  # empty where the limit may be sufficient
     limited = limit is not None or rate_limit is not None
     of_laws = {"laws": laws} if laws else {}
