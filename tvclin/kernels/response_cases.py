@@ -591,7 +591,7 @@ def has_close_poles(poles: AnyArray, horizon: float) -> bool:
 
     The residues of two close poles are large and cancel. `poles`: of a plant [1/s], ``(N,)``.
     `horizon`: the time [s]. A plant with a fast unstable pole keeps its modes all the same, unless
-    two are equal: the alternative, a chain of lags, is integrated forward and would lose its
+    two are equal: the alternative, matrix exponentials, is integrated forward and would lose its
     digits.
     """
     gap, size, fastest = np.inf, 0.0, -np.inf  # smallest distance, largest size and real part
