@@ -9,9 +9,9 @@ from scipy.linalg import expm
 from scipy.optimize import minimize_scalar
 
 import tvclin as tv
+from tests.recoverable import are_recoverable, slow_range
 from tvclin import Coefficients, InputError, Plant
 from tvclin.boundary.forecast_free import UnstableCoordinates, unstable_coordinates
-from tvclin.kernels.control_laws import slow_edges
 
 MODELS = ("fixed-path", "drift", "drift-exact")
 EACH_MODEL = pytest.mark.parametrize("model", MODELS)
@@ -23,21 +23,6 @@ EACH_PAIR = pytest.mark.parametrize("poles", PAIRS)
 def two(poles):
     """Return coordinates of two modes of which only the poles count."""
     return UnstableCoordinates(np.array(poles), np.eye(2), np.ones(2))
-
-
-def slow_range(modes, fast, reach):
-    """Return both ends [rad] of the slow coordinate's recoverable range at a fast coordinate."""
-    # `slow_edges` takes and returns coordinates over `reach`, at a ratio of slow to fast pole
-    return tuple(reach * end for end in slow_edges(np.clip(fast / reach, -1.0, 1.0), modes.ratio))
-
-
-def are_recoverable(modes, z, reach):
-    """Return whether coordinates z [rad], ``(..., N)``, are within the edges for a `reach`."""
-    recoverable = np.abs(z[..., 0]) < reach
-    if modes.poles.size == 1:
-        return recoverable
-    low, high = slow_range(modes, z[..., 0], reach)
-    return recoverable & (low < z[..., 1]) & (z[..., 1] < high)
 
 
 def plant_of(name, model):

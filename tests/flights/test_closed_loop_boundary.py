@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import cont2discrete
 
 import tvclin as tv
+from tests.recoverable import are_recoverable
 from tests.turns import usual
 from tvclin import (
     Coefficients,
@@ -245,7 +246,7 @@ def test_the_edge_is_confirmed_by_flights_that_hit_every_event(model, kind, tau_
             flown.outputs[: len(plant.states)].T @ modes.left_eigenvectors.T,
             limit / plant.coefficients.B,
         )
-        inside = modes.are_recoverable(z, np.full(times.size, D))
+        inside = are_recoverable(modes, z, np.full(times.size, D))
         assert np.all(inside) == (part > 1.0)
         if part > 1.0:
             assert np.all(np.abs(z[-1]) < 0.3 * D)

@@ -330,19 +330,8 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
     known; a window is advised where beta (rate of the attitude) or B (trim deflection per angle of
     attack) changes by more than a tenth within a sounding.
     """
-    first, last = sizing.schedule.span
     begin, end = (float(time) for time in (sizing.times.min(), sizing.times.max()))
-    left_out = {}  # flight times that no option excluded, by the option that takes them in
-    if request.start is None and begin > first:
-        left_out[f"--from {first:g}"] = f"before {begin:g} s"
-    if request.stop is None and end < last:
-        left_out[f"--to {last:g}"] = f"after {end:g} s"
-    if left_out:
-        yield (
-            f"flight times {listed(left_out.values())} are left out, for a pulse about them"
-            f" would blow beyond the schedule; {' '.join(left_out)}"
-            f" {'takes' if len(left_out) == 1 else 'take'} them in"
-        )
+    yield from _omitted_times(request, sizing.schedule.span, begin, end)
     starts, stops = sizing.known_times.T  # first and last time at which each wind is known [s]
     earliest, latest = starts.max(), stops.min()
     required = next(iter(sizing.required.values()))  # by time and wind; NaN where not known
@@ -360,6 +349,28 @@ def _hints(request: SizingRequest, sizing: Sizing) -> Iterator[str]:
         yield (
             "--set sounding.window_s 20 counts of a sounding only what is within 10 s of each time,"
             " while parameters change less"
+        )
+
+
+def _omitted_times(
+    request: SizingRequest, span: tuple[float, float], begin: float, end: float
+) -> Iterator[str]:
+    """Yield the note on flight times that are left out though no option excluded them.
+
+    `request`: the flight and its times. `span`: first and last time of the flight [s]. `begin`,
+    `end`: first and last time that is sized [s].
+    """
+    first, last = span
+    left_out = {}  # such times, by the option that takes them in
+    if request.start is None and begin > first:
+        left_out[f"--from {first:g}"] = f"before {begin:g} s"
+    if request.stop is None and end < last:
+        left_out[f"--to {last:g}"] = f"after {end:g} s"
+    if left_out:
+        yield (
+            f"flight times {listed(left_out.values())} are left out, for a pulse about them"
+            f" would blow beyond the schedule; {' '.join(left_out)}"
+            f" {'takes' if len(left_out) == 1 else 'take'} them in"
         )
 
 

@@ -293,10 +293,7 @@ def over_rate(
     from tvclin import plots
 
     limit, rate_limit = case.nozzle.limit, case.nozzle.rate_limit
-    with waiting("flying"):
-        denser, counts = at_largest_pressure(case, required) if names else (None, False)
-        flown = [_flown_duty(case, name, denser, counts) for name in names]
-        autopilot_rates = _autopilot_rates(case, names, denser, counts)
+    flown, autopilot_rates = _flown_laws(case, names, required)
     with waiting("angle over rate"):
         trade_off = _rate_trade_off(case, limit)
         theory = None if trade_off.beyond_linear else _at_limit(case, trade_off, required)
@@ -322,6 +319,23 @@ def over_rate(
         curves=lambda: plots.rate_curves(drawn),
         chart=lambda _: plots.rate_chart(drawn, title.replace(": ", "\n")),
     )
+
+
+def _flown_laws(
+    case: StudyPlan, names: list[str], required: CaseRequirement | None
+) -> tuple[list[FlownDuty], tuple[float, float] | None]:
+    """Return the duty of laws by their `names`, and the required rates of the autopilot.
+
+    The rates are those of `_autopilot_rates`. Verdicts count the largest pressure in the wind. A
+    limit shape does not count here: without it the requirement is of this plane alone. `required`:
+    requirement of the study, None where it has none.
+    """
+    single_plane_case = replace(case, nozzle=replace(case.nozzle, limit_shape=None))
+    need = required or study_requirement(single_plane_case, case.dead_band)
+    with waiting("flying"):
+        denser, counts = at_largest_pressure(single_plane_case, need) if names else (None, False)
+        flown = [_flown_duty(case, name, denser, counts) for name in names]
+        return flown, _autopilot_rates(case, names, denser, counts)
 
 
 def _flown_duty(case: StudyPlan, name: str, denser: StudyPlan | None, counts: bool) -> FlownDuty:
@@ -522,12 +536,8 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     """
     groups = (options.limits, options.model, options.planes, options.gains)
     case = case_over_flight(_QUESTION, source, options.winds, options.times, *groups)
-    request, names = case.sizing, options.names
+    law, request = _duty_law(case, options.names), case.sizing
     assert request is not None
-    if len(names) > 1:
-        raise InputError(f"--law may be given once with --over flight; got {len(names)}")
-    own = "trim" if case.autopilot_design.unspecified else AUTOPILOT  # that of the file or options
-    law = names[0] if names else request.duty_law or own
     if law != AUTOPILOT:
         FlownLaw(gains=options.gains).only_with_autopilot(source)  # refuses options of gains
         note_omissions(case, f"{_QUESTION} without the law {AUTOPILOT}")
@@ -536,8 +546,8 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
     gains = textbook_notes(case) if law == AUTOPILOT else ()
     notes = [f"{law} {_FROZEN_DUTY}", *gains, *request.warnings, *request.notes, *duty.notes]
     duty.to_csv(shown.csv)  # written where the option names a file
-    name = f"{duty.vehicle or source}, {PLANE_TEXTS[case.planes]}"
-    sheet, *further = _titled(f"{name}, {law} flown", *duty.tables())
+    title = f"{duty.vehicle or source}, {PLANE_TEXTS[case.planes]}, {law} flown"
+    sheet, *further = _titled(title, *duty.tables())
     frozen = "" if duty.verdict.satisfied is None else f", {FROZEN_ALONG}"
     answer(
         shown.as_json,
@@ -551,6 +561,19 @@ def print_duty(source: str, options: NozzleOptions, more: bool, shown: ShownCurv
         ),
         bool(duty.verdict.satisfied),
     )
+
+
+def _duty_law(case: StudyPlan, names: list[str]) -> str:
+    """Return the name of the law that is flown: of `names`, of a table [size], or the default.
+
+    The default is the autopilot of the case where one is specified, else trim. `InputError` for
+    more than one name.
+    """
+    if len(names) > 1:
+        raise InputError(f"--law may be given once with --over flight; got {len(names)}")
+    assert case.sizing is not None
+    default = "trim" if case.autopilot_design.unspecified else AUTOPILOT
+    return names[0] if names else case.sizing.duty_law or default
 
 
 def _at_worst_time(case: StudyPlan, duty: FlightDuty) -> StudyPlan | None:
