@@ -7,7 +7,9 @@ from typer.testing import CliRunner
 
 import tvclin as tv
 from tvclin.cli.app import app
+from tvclin.cli.design import BoxResult
 from tvclin.design.gain_designs import specified_autopilot
+from tvclin.design.worst_case import Worst, WorstCase
 from tvclin.studyfile.findings import find
 
 STUDY = """
@@ -96,6 +98,37 @@ def test_the_worst_margins_of_a_box_are_judged():
     assert not document["box"]["satisfied"]
     assert document["box"]["margins"]["aero_margin_dB"]["at"] == {"gain": 0.2}
     assert document["bounds"]["disk_margin"] == pytest.approx(1.73, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("change", "verdict"),
+    [
+        ({}, "MET"),
+        ({"omitted": "structure"}, "NOT KNOWN, the vehicle in the box is without its structure"),
+        ({"peak_sensitivity": 9.0}, "NOT KNOWN, no peak sensitivity is computed in a box"),
+        ({"omitted": "structure", "disk_margin": 1.0}, "NOT MET"),
+    ],
+)
+def test_criteria_are_met_in_a_box_only_where_all_are_computed(change, verdict):
+    worst = Worst(0.8, 0.9, {"delay": 0.04}, True, "searched")
+    found = WorstCase({"delay": (0.0, 0.04)}, {"disk_margin": worst}, True, None, 2)
+    limits = {"disk_margin": 0.7} | {k: v for k, v in change.items() if k != "omitted"}
+    box = BoxResult(found, tv.control.Criteria.custom(**limits), change.get("omitted", ""))
+    assert f"in the box: {verdict}; worst disk margin 0.800 at delay = 0.04 s" in box.verdict
+    assert box.satisfied is {"MET": True, "NOT MET": False}.get(verdict)
+
+
+@pytest.mark.thorough
+def test_a_box_is_judged_in_samples():
+    """The continuous autopilot satisfies the criteria with each of these delays."""
+    design = ("design", "configuration-i", "--natural-frequency", "1")
+    continuous = run(*design, "--box", "delay_ms=0..200")
+    assert "in the box: MET" in continuous.output
+    assert "at nominal" in continuous.output  # the required deflection
+    sampled = run(*design, "--sample-rate", "5", "--box", "delay_ms=0..200")
+    assert (sampled.exit_code, "in the box: NOT MET" in sampled.output) == (1, True)
+    assert "of the continuous autopilot" not in sampled.output
+    assert "gains that satisfy the criteria" not in sampled.output  # these gains, without the box
 
 
 @pytest.mark.thorough

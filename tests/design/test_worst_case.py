@@ -1,6 +1,7 @@
 """The worst case in a box against brute force, and why corners suffice for K = 1."""
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import tvclin as tv
 from tests.turns import usual
 from tvclin.control.margins.margins import loop_margins
+from tvclin.design import worst_case
 
 VEHICLE = tv.load_vehicle("configuration-i")
 COEFFICIENTS = tv.Coefficients.from_vehicle(VEHICLE)
@@ -140,6 +142,22 @@ def test_a_worst_point_inside_is_found():
     margins = loop_margins(loops.exact_loop(plant))
     for name in ("phase_margin_deg", "disk_margin"):
         assert worst.margins[name].value <= np.min(getattr(margins, name)) + 1e-6
+
+
+def test_the_margins_of_a_sampled_loop_are_in_samples():
+    """Corners of a box of delays have the margins of these autopilots, which samples lower."""
+    sampled, ends = replace(LOOP, sample_rate=10.0), (0.0, 0.08)
+    plant = tv.Plant.from_vehicle(VEHICLE, "fixed-path")
+    with (
+        patch.object(worst_case, "_INTERIOR_POINTS", 2),
+        patch.dict(worst_case._SEARCH_OPTIONS, rounds=1, per_round=2),
+    ):
+        worst = tv.worst_case(VEHICLE, sampled, {"delay": ends}, model="fixed-path")
+    margins = replace(sampled, delay=np.array(ends)).margins(plant)
+    for name, margin in worst.margins.items():
+        assert margin.value == pytest.approx(np.min(getattr(margins, name)), rel=1e-9), name
+    continuous = replace(LOOP, delay=ends[1]).margins(plant).phase_margin_deg
+    assert worst.margins["phase_margin_deg"].value < continuous - 2.0
 
 
 def test_a_box_in_which_the_loop_falls_over_has_no_margins():

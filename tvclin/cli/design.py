@@ -39,7 +39,7 @@ from tvclin.cli.options import (
     switch,
     with_gains,
 )
-from tvclin.cli.output import answer, draw, note_below, print_answer, print_tables, say, waiting
+from tvclin.cli.output import answer, draw, print_answer, print_tables, say, waiting
 from tvclin.cli.wind import WindOptions, wind_words
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.design_rules import DESIGNS, LEAST_NOZZLE, POLE_PLACEMENT_RULES
@@ -76,23 +76,38 @@ _FREQUENCY_RATIO = 2.0
 
 @dataclass(frozen=True, eq=False)
 class BoxResult:
-    """The worst case in a box, and the criteria of its margins."""
+    """The worst case in a box, and the criteria of its margins.
+
+    `omitted`: part of the vehicle that is not in the box, as "structure"; empty without one.
+    """
 
     worst: WorstCase
     criteria: Criteria
+    omitted: str
 
     @property
-    def satisfied(self) -> bool:
+    def satisfied(self) -> bool | None:
         """Whether the loop is stable and its margins satisfy the criteria throughout the box.
 
-        The box: numbers that may lie anywhere between two values. A criterion whose margin is not
-        computed in a box does not count.
+        The box: numbers that may lie anywhere between two values. None where that is `unknown`.
         """
-        return self.worst.stable and all(
-            self.worst.margins[criterion.margin].value >= criterion.limit
+        if not self.worst.stable or any(
+            self.worst.margins[criterion.margin].value < criterion.limit
             for criterion in self.criteria.limits
             if criterion.margin in self.worst.margins
-        )
+        ):
+            return False
+        return None if self.unknown else True
+
+    @property
+    def unknown(self) -> str:
+        """Reason why criteria that the computed margins satisfy may not be; empty without one."""
+        if self.omitted:
+            return f"the vehicle in the box is without its {self.omitted}"
+        names = [
+            limit.name for limit in self.criteria.limits if limit.margin not in self.worst.margins
+        ]
+        return f"no {listed(names)} is computed in a box" if names else ""
 
     def as_dict(self) -> dict[str, Any]:
         """Return the worst case in the box, and whether it satisfies the criteria, for JSON."""
@@ -107,10 +122,11 @@ class BoxResult:
         disk = self.worst.margins["disk_margin"]
         at = ", ".join(f"{k} = {v:.5g} {unit_of(k)}".rstrip() for k, v in disk.at.items())
         word = satisfaction(self.satisfied)
+        why = f", {self.unknown}" if self.satisfied is None else ""
         unstable = "" if self.worst.stable else "; the loop becomes UNSTABLE there"
         return (
-            f"criteria {self.criteria.name} in the box: {word}; worst disk margin {disk.value:.3f}"
-            f" at {at}{unstable}"
+            f"criteria {self.criteria.name} in the box: {word}{why}; worst disk margin"
+            f" {disk.value:.3f} at {at}{unstable}"
         )
 
 
@@ -122,7 +138,6 @@ def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) ->
     if not intervals:
         return None
     vehicle, wind = complete_vehicle(case.vehicle, "--box"), case.wind_in_plane
-    loop = replace(autopilot, sample_rate=None)
     if not isinstance(wind, ShapedWind):
         raise InputError(
             "--box moves peak and duration of a pulse: give no --winds with it; tvclin margins"
@@ -130,15 +145,16 @@ def worst_in_box(intervals: list[str], case: StudyPlan, autopilot: Autopilot) ->
         )
     box: dict[str, tuple[float, float]] = {}
     for text in intervals:
-        name, ends = _interval(text, vehicle, loop, wind)
+        name, ends = _interval(text, vehicle, autopilot, wind)
         if name in box:
             raise InputError(f"--box gives {name} twice")
         box[name] = ends
-    if autopilot.sample_rate is not None:
-        note_below("the margins in the box are of the continuous autopilot")
-    worst = worst_case(vehicle, loop, box, model=case.plant.model, plane=case.plane, wind=wind)
+    worst = worst_case(vehicle, autopilot, box, model=case.plant.model, plane=case.plane, wind=wind)
+    structure, system = vehicle.structure is not None, case.plant_system is not None
+    omitted = "structure" if structure else "plant in its file" * system
     # the vehicle in the box has no modes: their limits are omitted, unless there are no others
-    return BoxResult(worst, case.margin_criteria.without_mode_limits or case.margin_criteria)
+    criteria = case.margin_criteria.without_mode_limits or case.margin_criteria
+    return BoxResult(worst, criteria, omitted)
 
 
 def _interval(
@@ -314,7 +330,8 @@ def design(
     fly says what limit the autopilot requires.
 
     --box lets numbers lie anywhere between two values, and prints the worst margins of the rigid
-    vehicle there, and the worst required deflection. The criteria judge the worst margins too.
+    vehicle there, and the worst required deflection, at nominal dynamic pressure. The criteria
+    judge the worst margins too; whether a vehicle with a structure satisfies them is NOT KNOWN.
 
     --plot draws the Nichols chart of the gains; with --least, what a disk margin costs.
 
@@ -322,7 +339,7 @@ def design(
     times the unstable pole whose gains satisfy the criteria, or twice that pole.
 
     Exit code 0: the criteria are MET; 1: NOT MET, as of an unstable loop, or by any gains of
-    --least; 2: bad input.
+    --least, or NOT KNOWN in the box; 2: bad input.
     """
     # functions that put the options over the plan of the file, the last a check
     changes = [*(options.applied_to for options in (timing, model, least, gains)), _with_gains]
@@ -435,12 +452,14 @@ class _Answer:
         """
         if self.unsatisfied is not None:
             return False
-        return self.margins.satisfied and (self.in_box is None or self.in_box.satisfied)
+        return self.margins.satisfied and (self.in_box is None or self.in_box.satisfied is True)
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """Notes on the gains, on the search for them and on their margins, also of modes."""
-        satisfied, delay = self.satisfied, self.margins.whole.delay_margin
+        delay = self.margins.whole.delay_margin
+        # without the box: other gains are proposed where these do not satisfy the criteria
+        satisfied = self.unsatisfied is None and self.margins.satisfied
         notes = gain_notes(self.case, self.case.margin_criteria, satisfied, delay)
         sampled = self.margins.autopilot.sample_rate is not None
         timing = ("margins are of the sampled autopilot, peaks of the continuous one",) * sampled

@@ -15,12 +15,13 @@ from tvclin.base.arrays import FloatArray
 from tvclin.base.cards import Shown, table
 from tvclin.base.errors import InputError, finite, instance, number, one_of, single, within
 from tvclin.base.fields import spec
+from tvclin.base.quantities import NOMINAL
 from tvclin.base.tables import FileTable
 from tvclin.base.units import si_unit
 from tvclin.control.autopilot.actuator import Actuator
 from tvclin.control.autopilot.autopilot import Autopilot
 from tvclin.control.autopilot.feedback import GAINS
-from tvclin.control.margins.margins import MARGINS, Margins, loop_margins, margin, unit_factor
+from tvclin.control.margins.margins import MARGINS, Margins, margin, margins_of, unit_factor
 from tvclin.ensembles.dispersions import KINDS, MODES, WIND
 from tvclin.linear.plant import Plant, default_model
 from tvclin.numerics.searches import box_minimum
@@ -99,8 +100,9 @@ class WorstCase(Shown):
     stable : bool
         Whether every loop that was tried is stable.
     deflection : Worst or None
-        The required deflection [rad], in size; None without a wind, and infinite in a wind of
-        more than 30 deg, in which no deflection is known to be sufficient.
+        The required deflection [rad] at nominal dynamic pressure, in size; None without a wind,
+        and infinite in a wind of more than 30 deg, in which no deflection is known to be
+        sufficient.
     tried : int
         Number of loops that were computed.
     """
@@ -124,7 +126,7 @@ class WorstCase(Shown):
                 lines.minimum_limit(lines.degrees("", x, unit="deg"))
                 for x in (worst.nominal, worst.value)
             )
-            rows.append((("required deflection",), *values, *worst.location))
+            rows.append(((f"required deflection {NOMINAL}",), *values, *worst.location))
         head = ("", "nominal", "worst", "at", "method")
         return lines.Table("Worst case in the box", head, tuple(rows))
 
@@ -150,7 +152,7 @@ def worst_case(
     subject : Vehicle or Coefficients
         The nominal vehicle, or its coefficients.
     autopilot : Autopilot
-        The nominal autopilot, continuous, no batch.
+        The nominal autopilot, continuous or with a sample rate, no batch.
     box : mapping of str to pairs
         Smallest and largest value [SI] of each uncertain number, up to ten: fields of
         `Vehicle` or of `Coefficients`, "wind_peak", "wind_duration", gains of `Autopilot`,
@@ -166,8 +168,8 @@ def worst_case(
     ------
     InputError
         For unknown names, bounds that do not rise, a box of more than ten numbers, an actuator that
-        is in the box and not in the loop, an autopilot with a sample rate, batches; also the
-        exceptions of `Coefficients` and `required_deflection`, for any point of the box.
+        is in the box and not in the loop, batches; also the exceptions of `Coefficients`,
+        `Autopilot.exact_loop` and `required_deflection`, for any point of the box.
 
     Notes
     -----
@@ -222,8 +224,6 @@ def _checked(subject: Any, autopilot: Any, box: Any, wind: Any) -> dict[str, tup
     single("subject", subject.batch)
     instance("autopilot", autopilot, Autopilot, "see design_gains")
     single("autopilot", autopilot.batch)
-    if autopilot.sample_rate is not None:
-        raise InputError("a box is for continuous autopilots; replace sample_rate by None")
     if wind is not None:
         instance("wind", wind, ShapedWind, "of a shape, a peak and a duration")
     instance("box", box, Mapping, "of names to a least and a largest value")
@@ -258,7 +258,7 @@ class _Case:
     plane: str
     wind: ShapedWind | None
 
-    analyses: dict[tuple[bytes, ...], Margins] = field(default_factory=dict)
+    analyses: dict[tuple[bool, tuple[bytes, ...]], Margins] = field(default_factory=dict)
 
     def values(self, points: FloatArray) -> dict[str, FloatArray]:
         """Return the numbers [SI] at n `points` of the unit box ``(n, axes)``, ``(n,)`` by name.
@@ -304,11 +304,14 @@ class _Case:
         """Return a margin of n loops, ``(n,)``, zero where a loop is unstable.
 
         `name`: its name in `Margins`. `values`: numbers other than nominal [SI], ``(n,)`` by name.
-        `analyses` keeps the margins of these numbers, for other margins of the same loops.
+        `analyses` keeps the margins of these numbers, for other margins of the same loops; of
+        sampled loops without delay margins, which are most of the work, and apart with them.
         """
-        key = tuple(np.asarray(v).tobytes() for v in values.values())
+        delays = name == "delay_margin" or self.autopilot.sample_rate is None
+        key = (delays, tuple(np.asarray(v).tobytes() for v in values.values()))
         if key not in self.analyses:
-            self.analyses[key] = loop_margins(self.loop(values).exact_loop(self.plant(values)))
+            loop = self.loop(values).exact_loop(self.plant(values))
+            self.analyses[key] = margins_of(loop.analysis(delays=delays), loop.batch)
         margins = np.asarray(getattr(self.analyses[key], name), float)
         return np.nan_to_num(margins, nan=0.0, posinf=np.inf)
 
