@@ -28,6 +28,15 @@ def test_a_notch_is_proposed_for_a_vehicle_that_bends_alone(vehicle, bends):
     assert ("a bending mode may need a notch" in notes) is bends
 
 
+@pytest.mark.thorough
+def test_of_an_autopilot_with_a_notch_another_is_proposed_or_sensor_slopes_of_the_other_sign():
+    criteria = tv.control.Criteria.custom(phase_margin_deg=170.0)
+    notched = tv.AutopilotDesign(filters=(tv.vehicle.Filter.notch(30.0, 0.05, 0.5),))
+    notes = " ".join(gain_notes(tv.Case(vehicle=BENT, design=notched), criteria, False, 1.0))
+
+    assert "another notch ([[autopilot.filter]]), or sensor slopes of the other sign" in notes
+
+
 @pytest.mark.parametrize(
     ("design", "limits", "proposed"),
     [

@@ -9,7 +9,9 @@ import pytest
 import tvclin as tv
 from tests.flexible import BOOSTER, STRUCTURE, transfer
 from tests.turns import usual
+from tvclin.base.lines import text
 from tvclin.control.autopilot.actuator import plant_with_actuator
+from tvclin.control.autopilot.detuning import StableRange
 from tvclin.control.comparison import wind_gain
 
 FILTERS = (tv.vehicle.Filter.low_pass(13.0, 0.95), tv.vehicle.Filter.notch(32.0, 0.06, 0.6))
@@ -231,6 +233,8 @@ def test_detuned_modes_of_the_booster():
         -4.861, abs=0.51e-3
     )
     assert all(np.isnan([edge.lower, edge.upper]).all() for edge in result.stable_ranges)
+    (stays,) = result.stability_lines
+    assert text(stays) == "The loop is stable with any one mode from 0.8 to 1.2 of its frequency."
     assert "bending 1 x 0.8" in result._repr_html_()
 
 
@@ -255,6 +259,27 @@ def test_detuned_modes_are_held_to_what_is_asked_of_modes():
     turned = result.row("bending 1, sensor slopes of opposite sign")
     assert result.critical_margin[turned] == "unstable"
     assert not result.satisfied[turned]
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "words"),
+    [
+        (0.9664, 1.1081, "bending 1 is stable from 0.966 to 1.108 of its frequency"),
+        (0.9664, np.nan, "bending 1 is unstable at 0.966 of its frequency"),
+        (np.nan, 1.1081, "bending 1 is unstable at 1.108 of its frequency"),
+        (np.nan, np.nan, ""),
+        (1.0, 1.0, ""),  # unstable without a change: not of this mode
+    ],
+)
+def test_a_stable_range_in_words(lower, upper, words):
+    assert text(StableRange("bending 1", lower, upper).line()) == words
+
+
+@pytest.mark.thorough
+def test_a_loop_that_is_unstable_without_a_change_has_no_stable_range():
+    wild = replace(AUTOPILOT, attitude_gain=0.01)
+    (line,) = tv.control.detuned(wild, booster(), factors=[0.8]).stability_lines
+    assert text(line) == "The loop is unstable with all modes at their frequencies."
 
 
 @pytest.mark.thorough

@@ -253,10 +253,13 @@ def _better_gains(case: Case, criteria: Criteria) -> str:
         bends = case.plant.has_modes if structure is None else bool(structure.bending)
         searched = case.autopilot_design.design == LEAST_NOZZLE
         search = "" if searched else "; tvclin design --least seeks them"
-        notch = ", and a bending mode may need a notch ([[autopilot.filter]])" if bends else ""
+        filtered = any(case.autopilot_design.chains.values())
+        need = "another notch" if filtered else "a notch"
+        turned = ", or sensor slopes of the other sign" if filtered else ""
+        notch = f", and a bending mode may need {need} ([[autopilot.filter]]){turned}"
         return (
             f"no design rule has gains that satisfy the criteria {criteria.name} (poles at 1.5 to 6"
-            f" times the unstable one are tried){search}{notch}"
+            f" times the unstable one are tried){search}{notch if bends else ''}"
         )
     option, key = f"--design {rule.design}", f'design = "{rule.design}"'
     if rule.natural_frequency is not None:

@@ -35,6 +35,7 @@ _REFINEMENTS, _PARTS = 4, 16
 """Refinements of the interval in which the loop becomes unstable, and parts of it in each."""
 NEAR = 0.1
 """Usual uncertainty of a mode's frequency, relative."""
+_OF_FREQUENCY = " of its frequency"
 _MAX_NAMED = 3
 """Largest number of changes that a verdict names."""
 
@@ -52,10 +53,11 @@ class StableRange:
     upper: float
 
     def line(self, key: str = "edge", within: float = np.inf) -> Line:
-        """Return the sentence that the loop is unstable at these factors; () without any.
+        """Return the sentence on the factors at which the loop becomes unstable; () without any.
 
         Only factors that differ from one by at most `within` count, and so none that is NaN: there
-        the loop is stable. `key`: first part of the keys of the numbers.
+        the loop is stable. Equal factors are both one, of a loop that is unstable without a change:
+        () too. `key`: first part of the keys of the numbers.
         """
         bounds = {"lower": self.lower, "upper": self.upper}
         shown = [
@@ -63,8 +65,11 @@ class StableRange:
             for bound, factor in bounds.items()
             if abs(factor - 1.0) <= within
         ]
-        factors = (*shown[0], " and ", *shown[1]) if len(shown) > 1 else sum(shown, ())
-        return (f"{self.name} is unstable at ", *factors, " of its frequency") if shown else ()
+        if not shown or self.lower == self.upper:
+            return ()
+        if len(shown) > 1:
+            return (f"{self.name} is stable from ", *shown[0], " to ", *shown[1], _OF_FREQUENCY)
+        return (f"{self.name} is unstable at ", *shown[0], _OF_FREQUENCY)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +89,8 @@ class Detuned:
         Whether each row satisfies the criteria, ``(n,)``.
     stable_ranges : tuple of StableRange
         Factors on the frequency of each mode between which the loop is stable.
+    searched : tuple of float
+        Smallest and largest factor on a frequency up to which they were searched.
     plants : FlexiblePlant
         The changed plants, ``(n,)``, as `Autopilot.band_margins` takes them.
     """
@@ -93,6 +100,7 @@ class Detuned:
     critical_margin: tuple[str, ...]
     satisfied: BoolArray
     stable_ranges: tuple[StableRange, ...]
+    searched: tuple[float, float]
     plants: FlexiblePlant
 
     @property
@@ -151,10 +159,17 @@ class Detuned:
 
     @property
     def stability_lines(self) -> tuple[Line, ...]:
-        """Factors on its frequency at which each mode makes the loop unstable, a line each."""
+        """Factors on its frequency at which each mode makes the loop unstable, a line each.
+
+        One line that says so of a loop that is unstable without a change, or with none of them.
+        """
+        if not self.margins.stable[0]:
+            return (("The loop is unstable with all modes at their frequencies.",),)
         modes = (mode.line(f"edge.{j}") for j, mode in enumerate(self.stable_ranges))
         lines = tuple(line for line in modes if line)
-        return lines or (("The loop becomes unstable at no frequency between these.",),)
+        low, high = (f"{factor:.6g}" for factor in self.searched)
+        stays = f"The loop is stable with any one mode from {low} to {high} of its frequency."
+        return lines or ((stays,),)
 
     def _repr_html_(self) -> str:
         """Return table and stability lines for a notebook."""
@@ -235,13 +250,14 @@ def detuned(
     # margins of modes are computed only for criteria that judge them
     bands = autopilot.band_margins(plants) if criteria.has_mode_limits else None
     margins = loop_margins(autopilot.exact_loop(plants)) if bands is None else bands.margins
-    low, high = float(row.min()), float(row.max())
+    low, high = min(float(row.min()), 1.0), max(float(row.max()), 1.0)
     return Detuned(
         changes=changes,
         margins=margins,
         critical_margin=_critical_margins(criteria, bands or margins, margins, len(changes)),
         satisfied=np.broadcast_to(criteria.are_satisfied(bands or margins), len(changes)),
         stable_ranges=stable_ranges(autopilot, plant, low, high, _INTERVALS),
+        searched=(low, high),
         plants=plants,
     )
 
@@ -393,7 +409,5 @@ def detuning_note(ranges: Sequence[StableRange]) -> str:
     `ranges`: stable range of the frequency factor of each mode. Empty where the loop is stable
     within 10 percent of the frequencies of all modes, and where it is unstable without a change.
     """
-    # equal bounds are both one: unstable without a change
-    changed = (mode.line(within=NEAR) for mode in ranges if mode.lower != mode.upper)
-    lines = [text(line) for line in changed if line]
+    lines = [text(line) for mode in ranges if (line := mode.line(within=NEAR))]
     return listed(lines) if lines else ""
