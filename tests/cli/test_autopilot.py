@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.signal import cont2discrete
 from typer.testing import CliRunner
 
 import tvclin as tv
@@ -99,6 +100,25 @@ def test_no_margins_and_notes_fit_a_terminal(monkeypatch):
     assert "Note: gain-increase margin inf" in endless.output
     for result in (lost, endless):
         assert max(map(len, result.output.splitlines())) <= 80
+
+
+@pytest.mark.parametrize(("rate_gain", "outside"), usual([(2.5, False), (4.5, True)], 1))
+def test_each_pole_of_a_sampled_loop_is_shown_once_also_that_of_a_negative_z(rate_gain, outside):
+    """A real z < 0 has s = ln|z|/h + j pi/h and no conjugate."""
+    h, system = 0.2, booster().ss()
+    A, B, *_ = cont2discrete((system.A, system.B[:, :1], system.C, system.D[:, :1]), h)
+    z = np.linalg.eigvals(A + B @ [[0.6, rate_gain, 0.0]])
+    single = z[z.real < 0.0].item().real
+    expected = [f"{np.log(p) / h:.4g}" for p in z.real if p > 0.0]
+    expected.append(f"{np.log(-single) / h:.4g}+{np.pi / h:.4g}j (z = {single:.4g})")
+
+    gains = ("--attitude-gain", "0.6", "--rate-gain", f"{rate_gain}", "--sample-rate", "5")
+    ideal = ("--set", "nozzle.actuator_frequency_rad_per_s=0")
+    shown = " ".join(run("margins", *gains, *ideal, "--more").output.split())
+    poles = shown.split("log(z)/h [1/s] ")[1].split(", ")
+    assert sorted(poles) == sorted(expected)
+    reason = "unstable: 1 closed-loop pole lies outside the unit circle"
+    assert (reason in shown) is outside
 
 
 def poles_shown(*arguments):

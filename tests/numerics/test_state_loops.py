@@ -13,7 +13,7 @@ from tvclin.numerics import state_space
 from tvclin.numerics.loop_margins import analyse_loops
 
 EPS = np.finfo(float).eps
-NUMBERS = [field.name for field in fields(Margins)][2:-1]
+NUMBERS = [field.name for field in fields(Margins)][2:-2]
 
 
 def section(above, below):

@@ -177,6 +177,18 @@ def test_the_root_locus_of_a_sampled_loop_follows_its_discrete_poles():
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("rate_gain", [2.5, 4.5])
+def test_the_root_locus_numbers_the_pole_of_a_real_negative_z_without_a_conjugate(rate_gain):
+    ideal = tv.Autopilot(attitude_gain=0.6, rate_gain=rate_gain, sample_rate=5.0)
+    plant = tv.Plant.from_vehicle(tv.load_vehicle("configuration-i"))
+    plot = plots.root_locus_chart(ideal, plant, [0.0, 1.0])
+    z = ideal.exact_loop(plant).closed_loop_poles
+    (single,) = z[z.real < 0.0].real
+    words = {drawn.get_text() for drawn in plot.axes[0, 0].texts}
+    assert f"{5.0 * np.log(-single):.3g} + {5.0 * np.pi:.3g}j" in words
+
+
+@pytest.mark.thorough
 def test_steps_and_winds_of_a_flexible_loop_are_drawn():
     wind = tv.TriangularWind(peak=np.radians(5), duration=7.5)
     drawn = plots.wind_chart(AUTOPILOT, PLANT, wind).curves

@@ -41,7 +41,7 @@ from tvclin.control.autopilot.judged_margins import JudgedMargins
 from tvclin.control.autopilot.margin_bounds import MarginBounds, margin_bounds
 from tvclin.control.laws.autopilot_law import SaturatedLaw
 from tvclin.control.margins.criteria import band_table, margin_table
-from tvclin.control.margins.loop import SampledLoop, poles_in_s
+from tvclin.control.margins.loop import Loop, SampledLoop, poles_in_s
 from tvclin.design.gain_designs import specified_autopilot
 from tvclin.flights.closed_loop.flown_margins import (
     FlownMargins,
@@ -62,7 +62,8 @@ if TYPE_CHECKING:
 _MAX_POLE_DISTANCE_RATIO = 0.05
 """Largest distance of a pole with approximate delay from an exact pole, over its magnitude."""
 _MIN_SHOWN_Z = 1e-3
-"""Smallest pole z of a sampled loop that is shown: below, rounding turns those at 0 into others."""
+"""Smallest pole z of a sampled loop that is shown: below, rounding turns those at 0 into others.
+These are counted."""
 _KEYS = {"gain": "mode_gain_margin_dB", "phase": "mode_phase_margin_deg"}
 """Key of the required margin of a mode, by its stabilisation."""
 
@@ -138,25 +139,42 @@ def _poles(autopilot: Autopilot, plant: AnyPlant) -> str:
     """Return the closed-loop poles [1/s] as text, without the poles that only model a delay.
 
     Of a loop in continuous time these are stable poles of the Pade approximation that no pole of
-    the exact loop is near, of a sampled loop, whose poles are log(z)/h, those at z = 0.
+    the exact loop is near, of a sampled loop, whose poles are log(z)/h, those at z = 0, which are
+    counted. A conjugate pair is one entry, with ±.
     """
-    if autopilot.sample_rate is None:
-        poles = autopilot.closed_loop_poles(plant)
-        if autopilot.delay:
-            exact = autopilot.exact_loop(plant).closed_loop_poles
-            distance = np.abs(poles[:, np.newaxis] - exact).min(axis=1)
-            poles = poles[
-                (poles.real > 0.0) | (distance <= _MAX_POLE_DISTANCE_RATIO * np.abs(poles))
-            ]
-    else:
-        poles = poles_in_s(autopilot.exact_loop(plant))
-        poles = poles[poles.real * float(1.0 / autopilot.sample_rate) > np.log(_MIN_SHOWN_Z)]
-    shown = [
-        f"{p.real:.4g}" if p.imag == 0.0 else f"{p.real:.4g}±{p.imag:.4g}j"
-        for p in np.sort_complex(poles)[::-1]
-        if p.imag >= 0.0
-    ]
+    if autopilot.sample_rate is not None:
+        return _sampled_poles(autopilot.exact_loop(plant))
+    poles = autopilot.closed_loop_poles(plant)
+    if autopilot.delay:
+        exact = autopilot.exact_loop(plant).closed_loop_poles
+        distance = np.abs(poles[:, np.newaxis] - exact).min(axis=1)
+        poles = poles[(poles.real > 0.0) | (distance <= _MAX_POLE_DISTANCE_RATIO * np.abs(poles))]
+    shown = [_pole_or_pair(p) for p in np.sort_complex(poles)[::-1] if p.imag >= 0.0]
     return ", ".join(dict.fromkeys(shown))
+
+
+def _sampled_poles(loop: Loop) -> str:
+    """Return the closed-loop poles log(z)/h [1/s] of a sampled loop as text.
+
+    That of a real z < 0 has no conjugate pole and is shown with its z.
+    """
+    z, poles = loop.closed_loop_poles, poles_in_s(loop)
+    visible = np.abs(z) > _MIN_SHOWN_Z
+    shown = [
+        f"{p.real:.4g}+{p.imag:.4g}j (z = {z[k].real:.4g})"
+        if z[k].imag == 0.0 and z[k].real < 0.0
+        else _pole_or_pair(p)
+        for k, p in sorted(enumerate(poles), key=lambda item: (-item[1].real, -item[1].imag))
+        if visible[k] and p.imag >= 0.0
+    ]
+    if not np.all(visible):
+        shown.append(f"{np.sum(~visible)} with |z| < {_MIN_SHOWN_Z:g}")
+    return ", ".join(dict.fromkeys(shown))
+
+
+def _pole_or_pair(pole: complex) -> str:
+    """Return a real pole [1/s] as text, or a complex one with its conjugate."""
+    return f"{pole.real:.4g}" if pole.imag == 0.0 else f"{pole.real:.4g}±{pole.imag:.4g}j"
 
 
 def margins_document(result: JudgedMargins) -> dict[str, Any]:

@@ -220,7 +220,7 @@ class GainProblem:
         rows = self.autopilot(points)
         loop = rows.exact_loop(self.plant)
         # delay margins, which take longer, where a criterion limits them
-        margins = margins_of(loop.analysis(delays=self.criteria.has_delay_limit), loop.batch)
+        margins = margins_of(loop.analysis(delays=self.criteria.has_delay_limit), loop)
         fractions = [np.full(len(points), -np.inf)]
         fractions += [-judged.relative_surplus for judged in self.judge_loop(margins)]
         if self.crossover is not None:  # upper limit of the gain crossover [rad/s]

@@ -311,7 +311,7 @@ class _Case:
         key = (delays, tuple(np.asarray(v).tobytes() for v in values.values()))
         if key not in self.analyses:
             loop = self.loop(values).exact_loop(self.plant(values))
-            self.analyses[key] = margins_of(loop.analysis(delays=delays), loop.batch)
+            self.analyses[key] = margins_of(loop.analysis(delays=delays), loop)
         margins = np.asarray(getattr(self.analyses[key], name), float)
         return np.nan_to_num(margins, nan=0.0, posinf=np.inf)
 

@@ -315,11 +315,12 @@ def _in_s_plane(w: AnyArray, half: float) -> AnyArray:
     """Return s = ln(z)/h [1/s] of poles or zeros in the w plane; `half`: half the period h [s].
 
     The bilinear rule is z = (1 + w h/2)/(1 - w h/2). A pole z = 0, whose s is at infinity, is put
-    at the distance 2 pi/(h `_FAR`) from the origin.
+    at the distance 2 pi/(h `_FAR`) from the origin; of a zero at infinity s is NaN.
     """
-    z = (1.0 + w * half) / (1.0 - w * half)
-    size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))
-    return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
+    with np.errstate(divide="ignore", invalid="ignore"):  # z at infinity
+        z = (1.0 + w * half) / (1.0 - w * half) + 0.0  # an imaginary part of 0, not -0, of a real z
+        size = np.maximum(np.abs(z), np.exp(-2.0 * np.pi / _FAR))
+        return (np.log(size) + 1j * np.angle(z)) / (2.0 * half)
 
 
 _END: dict[str, Any] = {"ls": "", "color": INK, "zorder": 4}
@@ -373,8 +374,9 @@ def root_locus_chart(
     # ends of branches that lead neither to a zero nor out of the frame
     ends = branches[-1][np.abs(branches[-1]) < radii[0]]
     ended = f"end of the locus (factor {factors[-1]:.3g})"
+    highest = samples.loop.max_frequency().item()
     marks = [
-        *named_once(map(_pole_mark, poles[np.argsort(-poles.imag)])),
+        *named_once(_pole_mark(pole, highest) for pole in poles[np.argsort(-poles.imag)]),
         *_axis_marks(samples),
         *named_once(Mark(end.real, end.imag, shape="|", name=ended) for end in ends),
     ]
@@ -476,9 +478,14 @@ def _radii(samples: LoopSamples, poles: AnyArray) -> list[float]:
     return [outer, inner] if inner < 0.35 * outer else [outer]
 
 
-def _pole_mark(pole: complex) -> Mark:
-    """Return the mark of a closed-loop pole, with a number for one of each pair."""
-    text = f"{pole.real:.3g}" if pole.imag == 0.0 else f"{pole.real:.3g} ± {pole.imag:.3g}j"
+def _pole_mark(pole: complex, highest: float) -> Mark:
+    """Return the mark of a closed-loop pole, with a number for one of each pair.
+
+    `highest`: half the sample rate [rad/s], where a pole, that of a real z < 0, has no conjugate;
+    infinite in continuous time.
+    """
+    sign = "+" if np.isclose(pole.imag, highest, rtol=1e-12) else "±"
+    text = f"{pole.real:.3g}" if pole.imag == 0.0 else f"{pole.real:.3g} {sign} {pole.imag:.3g}j"
     text = text if pole.imag >= 0.0 else ""
     name = "closed-loop poles (factor 1)"
     return Mark(pole.real, pole.imag, text, shape="D", name=name, colour=COLOURS[1])

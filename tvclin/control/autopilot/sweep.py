@@ -420,7 +420,7 @@ def _bands(loop: Loop, plants: AnyPlant, names: tuple[str, ...], delays: bool) -
     tanks of the flight, empty without any. `delays`: whether delay margins are computed.
     """
     if isinstance(plants, Plant) or not names:
-        margins = margins_of(loop.analysis(delays=delays), loop.batch)
+        margins = margins_of(loop.analysis(delays=delays), loop)
         return BandMargins(margins, rigid=None, modes=())  # type: ignore[arg-type]
     _, poles = named_modes(plants)
     return band_margins(loop, names, poles, delays=delays)

@@ -365,7 +365,7 @@ def band_margins(
         {key: in_batch_shape(v, loop.batch) for key, v in band.items()} for band in bands
     )
     return BandMargins(
-        margins=margins_of(analysis, loop.batch),
+        margins=margins_of(analysis, loop),
         rigid=RigidBand(**rigid),
         modes=tuple(ModeBand(name=name, **m) for name, m in zip(names, modes, strict=True)),
     )

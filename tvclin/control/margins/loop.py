@@ -507,7 +507,8 @@ class SampledLoop(Loop):
         `w`: variable of L [1/s], ``(k, m)``, a row for each of k loops.
         """
         half = 0.5 * self.period.reshape(-1, 1)
-        return (1.0 + w * half) / (1.0 - w * half)
+        z = (1.0 + w * half) / (1.0 - w * half)
+        return z + 0.0  # no imaginary part of -0, which would turn the logarithm of a real z < 0
 
 
 def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
@@ -540,7 +541,10 @@ def discrete_loop(system: LinearSystem, delay: ArrayLike = 0.0) -> SampledLoop:
 
 
 def poles_in_s(loop: Loop) -> ComplexArray:
-    """Return the closed-loop poles [1/s] of loops ``(..., n)``; of sampled loops log(z)/h."""
+    """Return the closed-loop poles [1/s] of loops ``(..., n)``; of sampled loops log(z)/h.
+
+    A real z < 0 has the imaginary part pi/h, without a conjugate pole.
+    """
     poles = loop.closed_loop_poles
     if isinstance(loop, SampledLoop):
         with np.errstate(divide="ignore"):

@@ -16,7 +16,7 @@ from tvclin.base.cards import Row, Shown, card
 from tvclin.base.errors import InputError, instance, plain
 from tvclin.base.fields import Field, decibels, spec, specs
 from tvclin.base.lines import Line, number, text
-from tvclin.control.margins.loop import Loop
+from tvclin.control.margins.loop import Loop, SampledLoop
 from tvclin.numerics.loop_margins import LoopAnalysis, classical_margins
 
 OK = "ok"
@@ -127,9 +127,10 @@ class Margins(Shown, InDecibels):
     Attributes
     ----------
     status : str or ndarray of str
-        "ok", "unstable" (closed-loop poles in the right half plane) or "marginal" (on the axis).
+        "ok", "unstable" (closed-loop poles in the right half plane, of a sampled loop outside the
+        unit circle) or "marginal" (on the axis, or the circle).
     unstable_poles : int or ndarray of int
-        Number of closed-loop poles in the right half plane, with the exact delay.
+        Number of such closed-loop poles, with the exact delay.
     aero_margin : float or ndarray
         Factor by which the loop gain may be divided; below, an unstable vehicle tumbles.
     gain_increase : float or ndarray
@@ -149,6 +150,8 @@ float or ndarray
         Frequency of each [rad/s]; `crossover_frequency` belongs to `phase_margin`.
     crossings : Crossings
         All crossings, also those that do not limit a margin.
+    sampled : bool
+        Whether the loop is sampled, so that stable poles lie inside the unit circle.
     """
 
     status: Any = field(metadata=spec(document=False))
@@ -172,6 +175,7 @@ float or ndarray
         metadata=spec("natural frequency", card=False)
     )
     crossings: Crossings
+    sampled: bool = False
 
     def rows(self) -> list[MarginRow]:
         """Return a table row for each margin that criteria may limit, with its frequency."""
@@ -226,9 +230,11 @@ float or ndarray
         if self.status == UNSTABLE:
             count = self.unstable_poles
             poles = "1 closed-loop pole lies" if count == 1 else f"{count} closed-loop poles lie"
-            return f"the closed loop is unstable: {poles} in the right half plane"
+            where = "outside the unit circle" if self.sampled else "in the right half plane"
+            return f"the closed loop is unstable: {poles} {where}"
         if self.status == MARGINAL:
-            return "the closed loop is not asymptotically stable: a pole lies on the imaginary axis"
+            edge = "unit circle" if self.sampled else "imaginary axis"
+            return f"the closed loop is not asymptotically stable: a pole lies on the {edge}"
         return ""
 
     @property
@@ -279,11 +285,11 @@ def loop_margins(loop: Loop) -> Margins:
     (62.4, 20.7, inf)
     """
     instance("loop", loop, Loop, "see Loop.from_system")
-    return margins_of(loop.analysis(), loop.batch)
+    return margins_of(loop.analysis(), loop)
 
 
-def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
-    """Return the margins of k loops in the shape of their batch, `batch` of k entries.
+def margins_of(analysis: LoopAnalysis, loop: Loop) -> Margins:
+    """Return the margins of the k loops of a batch, `loop`, in the shape of the batch.
 
     `analysis`: crossings and peaks of the flattened batch of loops; of its `peaks` ``(k, 3, 2)``
     those of S = 1/(1 + L), T = L/(1 + L) and (S - T)/2 are 0, 1 and 2, with their frequencies.
@@ -297,7 +303,8 @@ def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
     pairs = np.concatenate([classical_margins(analysis), peaks])
     pairs[..., ~stable] = np.nan
     numbers = (status, analysis.unstable_poles, *pairs.reshape(2 * len(pairs), stable.size))
-    *names, _ = (field.name for field in fields(Margins))  # all but the crossings
+    batch = loop.batch
+    *names, _, _ = (field.name for field in fields(Margins))  # without crossings and sampled
     shaped = {name: in_batch_shape(v, batch) for name, v in zip(names, numbers, strict=True)}
     crossings = Crossings(
         gain_frequencies=_trimmed(analysis.gain_frequencies, batch),
@@ -305,7 +312,7 @@ def margins_of(analysis: LoopAnalysis, batch: tuple[int, ...]) -> Margins:
         phase_frequencies=_trimmed(analysis.phase_frequencies, batch),
         gain_factors=_trimmed(analysis.factors, batch),
     )
-    return Margins(**shaped, crossings=crossings)
+    return Margins(**shaped, crossings=crossings, sampled=isinstance(loop, SampledLoop))
 
 
 def in_batch_shape(values: Any, batch: tuple[int, ...]) -> Any:
