@@ -412,9 +412,29 @@ def test_a_gust_that_cannot_be_is_refused() -> None:
         (("--gust", "0", "2"), "--gust (peak) must be other than zero"),
         (("--gust", "1", "-2"), "--gust (duration) must be positive"),
         (gust_of(-3, peak_time_s=8), "must not change its sign"),
+        (gust_of(1, peak_time_s=8.5), "lies outside the wind, which lasts from 0 to 7.5 s"),
+        (gust_of(1, peak_time_s=-1), "the gust of 2 s with its middle at -1 s lies outside"),
     ):
         result = run("study", *arguments)
         assert (result.exit_code, words in result.output) == (2, True), result.output
+
+
+@pytest.mark.parametrize(
+    ("command", "place"),
+    [("fly", "the vehicle's"), ("disperse", "the vehicle's"), ("ascent", "each flight")],
+)
+def test_a_gust_on_a_sounding_has_no_time_of_its_own(command: str, place: str) -> None:
+    result = run(command, "configuration-i", *FLOWN, *gust_of(1, peak_time_s=3))
+    words = "take peak_time_s out of [gust] (gust.peak_time_s), a time in a pulse; with a sounding"
+    assert result.exit_code == 2
+    assert f"{words} the gust stands at {place} time" in " ".join(result.output.split())
+
+
+@pytest.mark.thorough
+def test_a_title_says_at_which_time_of_flight_the_gust_on_a_sounding_stands() -> None:
+    result = run("fly", "configuration-i", *FLOWN, *gust_of(0.5))
+    words = "with its gust of 0.5 deg, 2 s, at 66 s of flight"
+    assert words in " ".join(result.output.split())
 
 
 @pytest.mark.thorough

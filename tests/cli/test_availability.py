@@ -89,6 +89,13 @@ def test_a_gust_by_its_speed_is_that_of_the_library(station) -> None:
     assert ", with a gust of 9 m/s and 2 s" in printed
 
 
+def test_a_gust_on_an_archive_has_no_time_of_its_own(station) -> None:
+    keys = ("gust.peak_deg=1", "gust.duration_s=2", "gust.peak_time_s=3")
+    result = run(station, *EAST, "--limit-deg", "1", *(w for key in keys for w in ("--set", key)))
+    assert result.exit_code == 2
+    assert "take peak_time_s out of [gust]" in " ".join(result.output.split())
+
+
 def test_the_name_of_a_station_is_no_archive(station) -> None:
     named = run("--set", "availability.station", str(station))
     assert named.exit_code == 2

@@ -94,6 +94,8 @@ def test_a_mass_is_dispersed_as_its_weight(spread, of_weight):
     each = campaign(dispersion=rows, correlation=[coefficient]).dispersions
     assert each.distributions[0] == of_weight
     assert each.correlation == ((1.0, 0.5), (0.5, 1.0))
+    with pytest.raises(tv.InputError, match="must be one of .*, mass; got 'masss'"):
+        campaign(dispersion=[{"parameter": "masss", "percent": 1.0}])
     twice = [*rows, {"parameter": "weight", "percent": 1.0}]
     with pytest.raises(tv.InputError, match="dispersed twice"):
         campaign(dispersion=twice)
@@ -344,7 +346,7 @@ def test_what_has_no_bound_without_forecast_is_refused_as_one_case_is(configurat
 
 def test_a_dispersed_wind_needs_a_shape(ensemble):
     rows = [{"parameter": "wind_peak", "percent": 10}]
-    with pytest.raises(tv.InputError, match="wind_peak is dispersed, but has no nominal value"):
+    with pytest.raises(tv.InputError, match="take its dispersion out, or give a pulse"):
         parse_campaign(
             {"campaign": HEAD, "wind": {"file": "winds.csv"}, "dispersion": rows}, ensemble[0]
         )

@@ -218,7 +218,8 @@ class Case:
         """Return the result of `wind_in_plane_at`, and why its gust may not be at the worst time.
 
         The reason is empty where that time is known; else the gust is at the worst time for the
-        nominal dynamic pressure, or in the wind's middle. `dead_band`: K.
+        nominal dynamic pressure, or in the wind's middle. `dead_band`: K. `InputError` for a gust
+        whose time is outside the wind.
         """
         wind = self.wind
         if isinstance(wind, VehicleWind):
@@ -229,7 +230,18 @@ class Case:
             vehicle = complete_vehicle(self.vehicle, "a wind with a direction")
             wind = wind.in_plane(self.plane, float(np.asarray(vehicle.attitude)))
         gust = wind.gust
-        if gust is None or wind.gust_at is not None or float(gust.peak) * wind.peak < 0.0:
+        if gust is None:
+            return wind, ""
+        if wind.gust_at is not None:
+            half = 0.5 * float(gust.end - gust.onset)
+            if not -half < wind.gust_at < wind.duration + half:
+                raise InputError(
+                    f"the gust of {2.0 * half:.4g} s with its middle at {wind.gust_at:.4g} s lies"
+                    f" outside the wind, which lasts from 0 to {wind.duration:.4g} s: give another"
+                    " peak_time_s in [gust], or leave it out"
+                )
+            return wind, ""
+        if float(gust.peak) * wind.peak < 0.0:
             return wind, ""
         time, reason = self._worst_gust_time(wind, dead_band)
         return replace(wind, gust_at=time), reason

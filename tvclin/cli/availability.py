@@ -31,6 +31,7 @@ from tvclin.studyfile.settings import with_settings
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.coefficients import PLANE_TEXTS
 from tvclin.vehicle.vehicle_file import source_tables
+from tvclin.winds.shaped import refuse_gust_time
 from tvclin.winds.soundings.archive import Soundings
 from tvclin.winds.soundings.profile import WindProfile
 
@@ -145,7 +146,7 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
 
     A study needs a wind, which an availability does not use: without one it gets `DEFAULT_WIND`.
     `keys`: values by key of a study file; None, or an empty list, is not given. `InputError`
-    without an archive, a direction of flight or a limit.
+    without an archive, a direction of flight or a limit, and for a gust with a time.
     """
     values = {key: value for key, value in keys.items() if value is not None and value != []}
     if "availability.months" in values:
@@ -167,6 +168,7 @@ def _plan(source: str, keys: Mapping[str, Any]) -> StudyPlan:
         values |= {"wind.duration_s": DEFAULT_WIND.duration}
     edited = with_settings(source, [(key, f"{value}") for key, value in values.items()])
     plan = load_sizing(edited) if is_flight_with_keys(edited) else load_study(edited)
+    refuse_gust_time(getattr(plan.wind, "gust_at", None), "where it requires most")
     if plan.nozzle.limit is None:
         raise InputError("availability is judged for a limit: give --limit-deg")
     if not (is_flight_with_keys(source) or is_flight(source)):

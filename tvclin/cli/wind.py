@@ -22,7 +22,7 @@ from tvclin.studyfile.read import vehicle_source
 from tvclin.studyfile.study_plan import StudyPlan
 from tvclin.vehicle.linear_vehicle import complete_vehicle
 from tvclin.vehicle.vehicle_file import source_tables
-from tvclin.winds.shaped import SHAPES, ShapedWind
+from tvclin.winds.shaped import SHAPES, ShapedWind, refuse_gust_time
 from tvclin.winds.soundings.sounding_files import NO_READING, SoundingReading
 from tvclin.winds.wind_angles import CROSS, SIGNS
 
@@ -145,13 +145,15 @@ class WindOptions(PulseOptions):
 
         `source`: file of the case, with keys of soundings: the bias is a mean wind over height for
         which the flight path is biased, the window [s] the part of the flight around the vehicle's
-        time in which the sounding counts.
+        time in which the sounding counts. `InputError` for options of a pulse, and for a gust with
+        a time.
         """
         from tvclin.ascent.schedule_file import load_schedule
 
         if self.winds is None:
             return None
         self._check_no_pulse()
+        refuse_gust_time(getattr(case.wind, "gust_at", None))
         reading = SoundingReading.of(source_tables(source), Path(source).parent)
         request = getattr(case, "sizing", None)
         return SoundingWind(
@@ -386,5 +388,6 @@ def wind_words(name: str, case: Case) -> str:
     if isinstance(in_plane, ShapedWind):
         peak, length, gust = in_plane.peak, in_plane.duration, in_plane.gust_text
     elif isinstance(case.wind, SoundingWind) and case.wind.gust is not None:
-        gust = f", with its {gust_words(case.wind.gust)}"
+        time = float(complete_vehicle(case.vehicle, "a sounding").time or 0.0)
+        gust = f", with its {gust_words(case.wind.gust)}, at {time:.4g} s of flight"
     return f"{name} wind of {degrees(peak):.4g} deg and {length:.4g} s{gust}"

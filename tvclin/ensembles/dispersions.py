@@ -193,8 +193,11 @@ class Dispersions:
         relative spread would be one of zero.
         """
         if nominal.get(dispersion.parameter) is None:
+            # winds that are measured are not dispersed
+            or_pulse = ", or give a pulse (leave --winds out)" * (dispersion.parameter in WIND)
             raise errors.InputError(
-                f"{dispersion.parameter} is dispersed, but has no nominal value here"
+                f"{dispersion.parameter} is dispersed, but has no nominal value here: take its"
+                f" dispersion out{or_pulse}"
             )
         centre = errors.number(dispersion.parameter, nominal[dispersion.parameter])
         if dispersion.relative and centre == 0.0:
@@ -244,17 +247,18 @@ PARAMETERS = (*(name for name in NUMBERS if name != "time"), *WIND, *GAINS, *MOD
 """Parameters that can be dispersed; a factor on a single mode can be as well."""
 
 
-def checked_parameter(what: str, name: Any) -> str:
+def checked_parameter(what: str, name: Any, others: tuple[str, ...] = ()) -> str:
     """Return the name of a parameter that can be dispersed; `InputError` for another name.
 
-    `what`: the argument or key in the error. `name`: the name to check.
+    `what`: the argument or key in the error. `name`: the name to check. `others`: further names
+    that the error lists.
     """
     if isinstance(name, str):
         if _SINGLE_MODE_FACTOR.fullmatch(name):
             return name
         if name == "mass":
             raise errors.InputError(f"{what}: a mass is dispersed as its weight; write weight")
-    return errors.one_of(what, name, PARAMETERS)
+    return errors.one_of(what, name, (*PARAMETERS, *others))
 
 
 def is_mode_factor(name: str) -> bool:
@@ -310,7 +314,7 @@ def spread_table(parameter: Any) -> FileTable:
     """
     name, kind = parameter, "mass"
     if parameter != "mass":
-        name = checked_parameter("parameter in [[dispersion]]", parameter)
+        name = checked_parameter("parameter in [[dispersion]]", parameter, ("mass",))
         kind = KINDS.get(name, "number")
     kinds = DISPERSION_TABLE.quantities | {"spread": kind}
     return replace(DISPERSION_TABLE, heading=f"[[dispersion]] of {name}", quantities=kinds)

@@ -63,7 +63,7 @@ _HELP = {
     "gust.duration": "Duration of the gust.",
     "gust.peak_speed": "Peak wind speed of the gust, in place of the angle.",
     "gust.plateau": "Part of its duration at its peak.",
-    "gust.peak_time": "Time of its peak; by default that of the largest requirement.",
+    "gust.peak_time": "Time of its peak in a pulse; by default that of the largest requirement.",
     "plant.system": "A .mat or .npz file of the plant of margins and flights.",
     "controller.system": "A .mat or .npz file of a controller, in place of gains.",
     "nozzle.actuator_frequency": "Natural frequency of the actuator; 0: no actuator.",

@@ -35,7 +35,7 @@ from tvclin.studyfile.campaign_file import (
     with_flight_data,
 )
 from tvclin.studyfile.study_plan import DOCUMENT_TABLE, Document, StudyPlan
-from tvclin.winds.shaped import ShapedWind
+from tvclin.winds.shaped import ShapedWind, refuse_gust_time
 from tvclin.winds.soundings.sounding_files import SoundingReading, read_soundings
 from tvclin.winds.wind_file import (
     GUST_TABLE,
@@ -231,8 +231,7 @@ def _gust(document: Mapping[str, Any], plane: str) -> GustOf | None:
     if "gust" not in document:
         return None
     values = wind_values(GUST_TABLE, GUST_TABLE.one(document))
-    if "peak_time" in values:
-        raise InputError("peak_time_s in [gust] is of a wind of one shape; a sounding has its own")
+    refuse_gust_time(values.get("peak_time"))
     gust = gust_of(values["peak"], values["duration"], values.get("plateau", 0.0))
     return gust if values["speed"] is None else GustOfSpeed(gust, values["speed"], plane)
 

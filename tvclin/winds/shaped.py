@@ -256,6 +256,18 @@ class ShapedWind:
         return gust.shift(shift + 0.5 * (duration - self.duration))
 
 
+def refuse_gust_time(gust_at: float | None, place: str = "at the vehicle's time") -> None:
+    """Raise `InputError` for a time of the gust [s] in soundings, which have none of their own.
+
+    `gust_at`: see `ShapedWind`; None passes. `place`: where the gust stands in them, in words.
+    """
+    if gust_at is not None:
+        raise InputError(
+            "take peak_time_s out of [gust] (gust.peak_time_s), a time in a pulse; with a sounding"
+            f" the gust stands {place}"
+        )
+
+
 def component_in(wind: ShapedWind, peaks: dict[str, float], plane: str) -> History:
     """Return the wind angle [rad] in one plane, of a wind with a heading, with its gust there.
 

@@ -51,7 +51,7 @@ from tvclin.vehicle.coefficients import BOTH, PLANES
 from tvclin.vehicle.vehicle import Vehicle, vehicle_warnings
 from tvclin.winds.histories import History
 from tvclin.winds.plane_wind import PlaneWind
-from tvclin.winds.shaped import ShapedWind, component_in
+from tvclin.winds.shaped import ShapedWind, component_in, refuse_gust_time
 from tvclin.winds.soundings.profile import WindProfile
 from tvclin.winds.wind_angles import (
     CROSS,
@@ -288,7 +288,8 @@ class SizingRequest:
 
         Of a sounding it is the wind angle of attack [rad] over flight time, in the plane of the
         case, or in both. Same exceptions as `fly_through`, with the name of the sounding;
-        `InputError` also for the sign of a pulse with a direction.
+        `InputError` also for the sign of a pulse with a direction, and a gust with a time without
+        a pulse.
         """
         pulses, gust, speed = self.pulses(case), self._gust(case), self.peak_speed
         if case.sign in SIGNS and any(pulse.heading is not None for pulse in pulses):
@@ -296,6 +297,8 @@ class SizingRequest:
                 "a wind with a direction is a head or a tail wind by that: leave sign"
             )
         on_top = "" if gust is None else f", {gust_words(gust)}"
+        if self.soundings and not pulses:
+            refuse_gust_time(getattr(case.wind, "gust_at", None), "at each flight time")
         winds: dict[str, WindOf] = {}
         for pulse in pulses:
             strength = f"{np.degrees(pulse.peak):.6g} deg" if speed is None else f"{speed:g} m/s"
