@@ -112,8 +112,7 @@ def test_along_a_nominal_flight_the_wind_is_that_of_its_height_speed_and_path():
     vehicle, condition = tv.load_vehicle(NAMES[0]), load_flight_condition(NAMES[0])
     flight = nominal_flight(vehicle, condition, start=52.0, stop=80.0)
     profile = jet(40.0)
-    schedule = tv.FlightSchedule.from_flight(vehicle, condition, start=52.0, stop=80.0, step=0.1)
-    wind = profile.to_wind(schedule, azimuth=EAST)
+    wind = profile.to_wind(flight, azimuth=EAST)
     for level in profile.height[1:4]:
         passed = brentq(lambda t, level=level: flight.states(t)[2] - level, 52.0, 80.0)
         assert np.abs(wind.time - passed).min() < 1e-4

@@ -151,6 +151,29 @@ class NominalFlight:
         flat = np.clip(times.ravel(), self.start, self.stop)
         return self.states_within(flat).reshape(3, *times.shape)
 
+    @cached_property
+    def time(self) -> FloatArray:
+        """Times [s] over the span, at most a tenth of a second apart, shape ``(n,)``."""
+        return np.linspace(self.start, self.stop, int(10.0 * (self.stop - self.start)) + 2)
+
+    @cached_property
+    def speed(self) -> FloatArray:
+        """Velocity [m/s] at `time`."""
+        speed, _, _ = self.states(self.time)
+        return np.asarray(speed)
+
+    @cached_property
+    def flight_path_angle(self) -> FloatArray:
+        """Flight path angle [rad] at `time`."""
+        _, path, _ = self.states(self.time)
+        return np.asarray(path)
+
+    @cached_property
+    def height(self) -> FloatArray:
+        """Altitude [m] at `time`."""
+        _, _, altitude = self.states(self.time)
+        return np.asarray(altitude)
+
     def states_within(self, t: Any) -> FloatArray:
         """Return `states` at a time `t` [s], ``(3,)``, or at times ``(n,)``, ``(3, n)``.
 
