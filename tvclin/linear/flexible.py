@@ -490,7 +490,8 @@ def plant_of(vehicle: AnyVehicle, model: str | None = None, plane: str = "pitch"
         errors.instance("vehicle", vehicle, Vehicle, "see load_vehicle")
     if isinstance(vehicle, LinearVehicle) or vehicle.structure is None:
         return Plant.from_vehicle(vehicle, model, plane)
-    return FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model or DEFAULT_MODEL, plane)
+    model = DEFAULT_MODEL if model is None else model
+    return FlexiblePlant.from_vehicle(vehicle, vehicle.structure, model, plane)
 
 
 def check_plant(plant: object) -> None:
