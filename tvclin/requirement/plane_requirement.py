@@ -111,7 +111,8 @@ class TwoPlaneRequirement:
         """
         combined = rectangle(self.limit_shape, **(dict.fromkeys(PLANES, 0.0) | dict(separate)))
         with np.errstate(divide="ignore", invalid="ignore"):  # zero where nominal is zero too
-            ratios = [np.nan_to_num(x / (size * self.separate[k])) for k, x in separate.items()]
+            nominal = {plane: size * np.abs(self.separate[plane]) for plane in separate}
+            ratios = [np.nan_to_num(np.divide(x, nominal[k])) for k, x in separate.items()]
         of_vector = size * self.deflection * np.max(ratios, axis=0)
         return np.where(self.vector_governs, np.maximum(combined, of_vector), combined)
 
