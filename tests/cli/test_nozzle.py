@@ -118,7 +118,9 @@ def test_the_required_rate_of_an_autopilot_is_that_of_the_library_at_both_pressu
     assert f"the limit at nominal dynamic pressure {at_nominal:.3f} deg/s" in printed
 
 
-@pytest.mark.parametrize(("limit", "verdict"), [("0.65", False), ("0.8", None), ("1.1", True)])
+@pytest.mark.parametrize(
+    ("limit", "verdict"), usual([("0.65", False), ("0.8", None), ("1.1", True)], 1)
+)
 def test_the_verdict_on_an_autopilot_is_that_of_fly(limit: str, verdict: bool | None) -> None:
     """At nominal dynamic pressure 0.69 deg survives, at that of the head wind's peak 1 deg."""
     given = ("--law", "autopilot", "--limit-deg", limit, "--json")

@@ -370,6 +370,7 @@ def test_a_gust_too_long_to_be_followed_is_not_searched_for_its_worst_time(confi
         search(np.array([2.0]))
 
 
+@pytest.mark.thorough
 def test_a_gust_whose_worst_time_is_not_known_leaves_the_requirement_unknown(configuration_i):
     """A gust at an end of the wind lasts longer than can be followed, and may require more."""
     gust = tv.OneMinusCosineGust(peak=np.radians(0.5), duration=300.0)
